@@ -1,0 +1,21 @@
+// The one error class of the host program.
+#ifndef PARTITA_HOST_RUNTIME_ERROR_H
+#define PARTITA_HOST_RUNTIME_ERROR_H
+
+#include <stdexcept>
+#include <string>
+
+namespace partita {
+
+/// What a person reads when something is wrong: one line without a full stop or a line break, made
+/// of where (file and line, key, device), what, and what was expected instead. For example
+///   "data/calib.txt:2: 11 numbers, expected the 12 of a 3x4 projection matrix"
+///   "placement: no task 'localisation', expected one of localization, scene"
+class Error : public std::runtime_error {
+ public:
+  explicit Error(const std::string& message) : std::runtime_error(message) {}
+};
+
+}  // namespace partita
+
+#endif  // PARTITA_HOST_RUNTIME_ERROR_H
