@@ -64,7 +64,7 @@ std::vector<Device> find_devices() {
   try {
     cl::Platform::get(&platforms);
   } catch (const cl::Error& error) {
-    throw Error(
+    throw DeviceError(
         fmt::format("no OpenCL platform found ({}): install a driver, for instance the "
                     "package pocl-opencl-icd",
                     error_name(error.err())));
@@ -79,7 +79,7 @@ std::vector<Device> find_devices() {
     }
     for (const cl::Device& device : found) devices.push_back(describe(platform, device));
   }
-  if (devices.empty()) throw Error("no OpenCL device found on any platform");
+  if (devices.empty()) throw DeviceError("no OpenCL device found on any platform");
   return devices;
 }
 

@@ -1,4 +1,4 @@
-// The one error class of the host program.
+// The errors of the host program.
 #ifndef PARTITA_HOST_RUNTIME_ERROR_H
 #define PARTITA_HOST_RUNTIME_ERROR_H
 
@@ -14,6 +14,13 @@ namespace partita {
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& message) : std::runtime_error(message) {}
+};
+
+/// An Error of OpenCL or a device rather than of the user's input: no platform, a build that fails,
+/// a refused buffer or launch. The command line gives it an exit status of its own.
+class DeviceError : public Error {
+ public:
+  using Error::Error;
 };
 
 }  // namespace partita

@@ -23,8 +23,8 @@ void Kernel::check_scalar(cl_uint index, std::size_t size) const {
 void Kernel::set_raw(cl_uint index, std::size_t size, const void* value) {
   const cl_int code = clSetKernelArg(kernel_(), index, size, value);
   if (code == CL_SUCCESS) return;
-  throw Error(fmt::format("kernel {}: argument {} '{}' refused ({})", spec_->name, index,
-                          spec_->args[index].name, error_name(code)));
+  throw DeviceError(fmt::format("kernel {}: argument {} '{}' refused ({})", spec_->name, index,
+                                spec_->args[index].name, error_name(code)));
 }
 
 void Kernel::enqueue(const Shape& shape) {
@@ -36,8 +36,8 @@ void Kernel::enqueue(const Shape& shape) {
       clEnqueueNDRangeKernel(session_->queue()(), kernel_(), 3, nullptr, geometry.global.data(),
                              geometry.local.data(), 0, nullptr, nullptr);
   if (code == CL_SUCCESS) return;
-  throw Error(fmt::format("kernel {} on {}: launch for {} refused ({})", spec_->name,
-                          session_->device().name, shape.to_string(), error_name(code)));
+  throw DeviceError(fmt::format("kernel {} on {}: launch for {} refused ({})", spec_->name,
+                                session_->device().name, shape.to_string(), error_name(code)));
 }
 
 }  // namespace partita::runtime

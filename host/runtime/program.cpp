@@ -53,8 +53,8 @@ void build(const cl::Program& program, const Device& device, const std::string& 
   if (code == CL_SUCCESS) return;
   std::string log;
   program.getBuildInfo(device.cl, CL_PROGRAM_BUILD_LOG, &log);
-  throw Error(fmt::format("{}: does not build for {}: {} ({})", name, device.name,
-                          first_complaint(log), error_name(code)));
+  throw DeviceError(fmt::format("{}: does not build for {}: {} ({})", name, device.name,
+                                first_complaint(log), error_name(code)));
 }
 
 }  // namespace
@@ -133,7 +133,8 @@ cl::Program build_from_container(const cl::Context& context, const Device& devic
     build(program, device, path, "");
     return program;
   } catch (const cl::Error& error) {
-    throw Error(fmt::format("{}: refused by {} ({})", path, device.name, error_name(error.err())));
+    throw DeviceError(
+        fmt::format("{}: refused by {} ({})", path, device.name, error_name(error.err())));
   }
 }
 

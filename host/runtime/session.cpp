@@ -17,7 +17,7 @@ std::string options_of(const KernelSpec& spec) {
 }
 
 [[noreturn]] void fail(const Device& device, const char* what, const cl::Error& error) {
-  throw Error(fmt::format("{}: {} failed ({})", device.name, what, error_name(error.err())));
+  throw DeviceError(fmt::format("{}: {} failed ({})", device.name, what, error_name(error.err())));
 }
 
 }  // namespace
@@ -96,8 +96,8 @@ cl::Kernel Session::make_kernel(const KernelSpec& spec) const {
   try {
     return cl::Kernel(entry_for(spec).program, spec.name.c_str());
   } catch (const cl::Error& error) {
-    throw Error(fmt::format("kernel {}: not in the program loaded on {} ({})", spec.name,
-                            device_.name, error_name(error.err())));
+    throw DeviceError(fmt::format("kernel {}: not in the program loaded on {} ({})", spec.name,
+                                  device_.name, error_name(error.err())));
   }
 }
 
@@ -105,8 +105,8 @@ cl::Buffer Session::make_buffer(std::size_t bytes, cl_mem_flags flags) const {
   try {
     return cl::Buffer(context_, flags, bytes);
   } catch (const cl::Error& error) {
-    throw Error(fmt::format("{}: a buffer of {} bytes cannot be had ({})", device_.name, bytes,
-                            error_name(error.err())));
+    throw DeviceError(fmt::format("{}: a buffer of {} bytes cannot be had ({})", device_.name,
+                                  bytes, error_name(error.err())));
   }
 }
 
