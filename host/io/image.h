@@ -1,0 +1,37 @@
+// Pictures on disk. Reading is strict: what is truncated or damaged is an Error, never half a
+// picture. Writing is atomic.
+#ifndef PARTITA_HOST_IO_IMAGE_H
+#define PARTITA_HOST_IO_IMAGE_H
+
+#include <string>
+
+#include "host/tasks/sensing/frame.h"
+
+namespace partita::io {
+
+struct GrayRead {
+  sensing::GrayImage image;
+  std::string converted;  ///< what the file held where it was not 8-bit gray ("colour", "16-bit")
+};
+
+/// Reads a PNG, JPEG or PGM/PPM file as 8-bit gray. Colour is converted by the weights of
+/// ITU-R BT.601 in integers (the same on every machine), 16 bits lose their lower eight.
+/// Throws Error that names the file for anything missing, damaged, truncated or of another format.
+GrayRead read_gray(const std::string& path);
+
+/// Writes a PNG.
+void write_gray(const std::string& path, const sensing::GrayImage& image);
+
+/// Disparities as KITTI writes them: 16-bit PNG, value = disparity * 256 rounded to nearest, 0 =
+/// none. What is not positive or not finite is written as none; at most 255.996 can be held.
+void write_disparity(const std::string& path, const sensing::FloatImage& disparity);
+sensing::FloatImage read_disparity(const std::string& path);
+
+/// The same for people: a colour PNG with dark blue for 0 to dark red for `max_disparity`, black
+/// where there is none, and a labelled colour bar below.
+void write_disparity_picture(const std::string& path, const sensing::FloatImage& disparity,
+                             double max_disparity);
+
+}  // namespace partita::io
+
+#endif  // PARTITA_HOST_IO_IMAGE_H
