@@ -79,7 +79,7 @@ struct Performance {
   double memory_reachable = 1;       ///< share of it that all clients together can reach
   double unit_memory_bandwidth = 0;  ///< B/s, the most that one core draws; 0: no such limit
   double local_bandwidth = 0;        ///< B per cycle and unit of __local memory; 0: ordinary memory
-  std::uint64_t copy_bandwidth = 0;  ///< B/s of a copy inside the device's memory (bytes copied)
+  double copy_bandwidth = 0;         ///< B/s of a copy inside the device's memory (bytes copied)
   /// Share of peak operations and of peak bandwidth that well-written code of a WorkKind reaches.
   std::array<double, kWorkKinds> compute_efficiency{};
   std::array<double, kWorkKinds> memory_efficiency{};
