@@ -80,7 +80,7 @@ class DeviceModel {
   std::array<double, kOpClasses> unit_seconds_per_op_{};  ///< at efficiency 1; infinite: cannot
 };
 
-/// The work of moving bytes that the roofline's ceiling allows at most: refuses results that no
+/// The sanity gate: refuses results that no
 /// machine can reach. `seconds` is a time measured or predicted for `work` on the device; faster
 /// than the roofline at efficiency 1, a power of zero or less (pass NaN for "unknown"), or a
 /// utilisation above 1 gives one line that says which; an empty string means plausible.
