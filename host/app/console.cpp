@@ -55,7 +55,8 @@ std::string Table::to_string(bool colour) const {
   }
   // A column is right-aligned if its first cell below the header is a number.
   std::vector<bool> right(widths.size(), false);
-  for (std::size_t i = 0; rows_.size() > 1 && i < rows_[1].size(); ++i) right[i] = numeric(rows_[1][i]);
+  for (std::size_t i = 0; rows_.size() > 1 && i < rows_[1].size(); ++i)
+    right[i] = numeric(rows_[1][i]);
 
   std::string text;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
@@ -98,7 +99,9 @@ std::string Console::paint(Colour colour, std::string_view text) const {
 }
 
 ProgressBar::ProgressBar(const Console& console, std::string what, std::size_t total)
-    : shown_(console.progress_wanted()), what_(std::move(what)), total_(std::max<std::size_t>(total, 1)) {
+    : shown_(console.progress_wanted()),
+      what_(std::move(what)),
+      total_(std::max<std::size_t>(total, 1)) {
   update(0);
 }
 

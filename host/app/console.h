@@ -1,6 +1,6 @@
-// What a person or a script sees. Results go to stdout: as text, or with --json as one JSON document
-// of the same content. Notices and progress go to stderr. Colour only on a terminal, never with
-// NO_COLOR (https://no-color.org).
+// What a person or a script sees. Results go to stdout: as text, or with --json as one JSON
+// document of the same content. Notices and progress go to stderr. Colour only on a terminal, never
+// with NO_COLOR (https://no-color.org).
 #ifndef PARTITA_HOST_APP_CONSOLE_H
 #define PARTITA_HOST_APP_CONSOLE_H
 

@@ -1,7 +1,7 @@
 #include "host/app/environment.h"
 
-#include <cstdlib>
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <initializer_list>
 #include <system_error>
@@ -34,9 +34,10 @@ Places find_places() {
   Places found;
   found.layer =
       first_existing({prefix / "lib" / kLayerName, prefix / "lib" / "partita" / kLayerName});
-  found.profiles = profiles != nullptr && *profiles != '\0'
-                       ? std::string(profiles)
-                       : first_existing({prefix / "share/partita/profiles", PARTITA_SOURCE_PROFILES});
+  found.profiles =
+      profiles != nullptr && *profiles != '\0'
+          ? std::string(profiles)
+          : first_existing({prefix / "share/partita/profiles", PARTITA_SOURCE_PROFILES});
   found.containers = first_existing({prefix / "share/partita/containers"});
   return found;
 }
@@ -83,9 +84,10 @@ void set_emulation(const EmulationOptions& options) {
   }
   const std::string file = machine_file(options.machine);
   if (places().layer.empty()) {
-    throw Error(fmt::format("{}: the emulation layer was not found beside this program; use "
-                            "--machine native to run without it",
-                            kLayerName));
+    throw Error(
+        fmt::format("{}: the emulation layer was not found beside this program; use "
+                    "--machine native to run without it",
+                    kLayerName));
   }
   set_or_unset("OPENCL_LAYERS", others.empty() ? places().layer : places().layer + ":" + others);
   set_or_unset("PARTITA_MACHINE", file);

@@ -1,0 +1,31 @@
+#include "host/app/command.h"
+
+#include <algorithm>
+
+namespace partita::app {
+
+CLI::App* add_subcommand(CLI::App& parent, Context& context, const std::string& name,
+                         const std::string& description, const std::string& examples) {
+  CLI::App* command = parent.add_subcommand(name, description);
+  command->add_flag("--json", context.console.json, "Result as JSON on stdout");
+  command->add_flag("-q,--quiet", context.console.quiet, "No notices, no progress on stderr");
+  std::string footer = "Examples:\n";
+  std::size_t begin = 0;
+  while (begin < examples.size()) {
+    const std::size_t end = std::min(examples.find('\n', begin), examples.size());
+    footer += "  " + examples.substr(begin, end - begin) + "\n";
+    begin = end + 1;
+  }
+  command->footer(footer);
+  return command;
+}
+
+void add_machine_option(CLI::App* command, std::string& machine) {
+  command
+      ->add_option("-m,--machine", machine,
+                   "Machine to emulate: a name (dragonfly, gpu-only, cpu-only, tx2, ...), a .yaml "
+                   "file, or native for the real devices")
+      ->capture_default_str();
+}
+
+}  // namespace partita::app

@@ -1,0 +1,56 @@
+#include "partition/placement.h"
+
+#include <algorithm>
+#include <bitset>
+
+#include "devices/profile/error.h"
+
+namespace partita::partition {
+namespace {
+
+Branch parse_branch(std::string_view name) {
+  for (const Branch branch : kBranches) {
+    if (to_string(branch) == name) return branch;
+  }
+  throw profile::Error("placement: no task '" + std::string(name) +
+                       "', expected one of localization, scene");
+}
+
+}  // namespace
+
+std::string_view to_string(Branch branch) {
+  return branch == Branch::localization ? "localization" : "scene";
+}
+
+std::string Placement::to_string() const {
+  std::string text;
+  for (const Branch branch : kBranches) {
+    text += text.empty() ? "" : ",";
+    text += std::string(partition::to_string(branch)) + "=" + of(branch);
+  }
+  return text;
+}
+
+Placement parse_placement(std::string_view text, const Placement& defaults) {
+  Placement placement = defaults;
+  std::bitset<kBranches.size()> seen;
+  while (!text.empty()) {
+    const std::string_view item = text.substr(0, text.find(','));
+    const std::size_t equals = item.find('=');
+    if (equals == std::string_view::npos || equals + 1 == item.size()) {
+      throw profile::Error("placement: '" + std::string(item) +
+                           "' is not TASK=DEVICE, for instance localization=fpga");
+    }
+    const auto index = static_cast<std::size_t>(parse_branch(item.substr(0, equals)));
+    if (seen.test(index)) {
+      throw profile::Error("placement: task '" + std::string(item.substr(0, equals)) +
+                           "' is placed twice");
+    }
+    seen.set(index);
+    placement.device[index] = item.substr(equals + 1);
+    text.remove_prefix(std::min(text.size(), item.size() + 1));
+  }
+  return placement;
+}
+
+}  // namespace partita::partition
