@@ -1,13 +1,13 @@
 // Matches in a window (see the GPU's text for what they are).
-// Assumes: as there, and at most 4,096 features and 1,024 cells.
+// Assumes: as there, and at most 2,048 features and 512 cells.
 // The features to search, their descriptors and the cells are copied on chip first. Per query one flat
 // loop steps through the runs of its window, one candidate per cycle; carried are the running best and
 // second, one compare-and-select each: II = 1.
 #include "common/fpga.clh"
 #include "frontend/match.clh"
 
-#define MAX_TRAINS 4096
-#define MAX_CELLS 1024
+#define MAX_TRAINS 2048
+#define MAX_CELLS 512
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void match_window(
     __global const int4* restrict queries, __global const uint8* restrict query_descriptors,

@@ -21,7 +21,7 @@ using sensing::StereoCalibration;
 
 /// All lengths are pixels of the original image unless said otherwise.
 struct FrontendParameters {
-  /// Features per image over both pyramid levels, 64..4000. The grid of cells is laid so that this
+  /// Features per image over both pyramid levels, 64..2048. The grid of cells is laid so that this
   /// is never exceeded; 59 % of them go to the full-size level.
   int max_features = 2000;
   /// FAST-9 threshold in grey levels, 1..254: how much brighter or darker an arc has to be.

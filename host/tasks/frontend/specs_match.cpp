@@ -1,0 +1,352 @@
+// Specs of the kernels that associate features: match_window, invert_matches, refine_sad; and the list
+// of all specs.
+#include <algorithm>
+
+#include "host/tasks/frontend/cases.h"
+#include "host/tasks/frontend/kernels.h"
+#include "host/tasks/frontend/spec_tools.h"
+
+namespace partita::frontend {
+namespace {
+
+using golden::Descriptor;
+using runtime::Access;
+using runtime::ElementType;
+using runtime::HostArray;
+using runtime::KernelCase;
+using runtime::KernelSpec;
+using runtime::LaunchGeometry;
+using runtime::Shape;
+using runtime::Variant;
+
+int value_of(const HostArray& array) { return array.as<std::int32_t>()[0]; }
+
+Work match_work(Variant variant, const Shape& shape) {
+  const auto queries = static_cast<std::uint64_t>(shape["queries"]);
+  const auto trains = static_cast<std::uint64_t>(shape["trains"]);
+  const auto candidates = static_cast<std::uint64_t>(shape["candidates"]);
+  const Size size = size_of(shape);
+  const auto cells =
+      static_cast<std::uint64_t>(make_grid(size, static_cast<int>(shape["cell0"])).cells() +
+                                 make_grid(level_size(size, 1), static_cast<int>(shape["cell1"])).cells());
+  Work work;
+  work.kind = WorkKind::gather;
+  // A candidate: four comparisons, 256 bits counted without a special instruction, two minima. The
+  // features in the window's cells but outside of the window are taken as as many again, four each.
+  work[OpClass::int_add] = candidates * (4 + 102 + 6) + candidates * 4 + queries * 60;
+  work[OpClass::int_special] = queries * 6;
+  work.read_issued = candidates * (48 + 16) + queries * (16 + 32 + 8 + 16);
+  work.read_unique = queries * (16 + 32 + 8) + std::min(trains, candidates) * 48 + cells * 4;
+  work.written_issued = work.written_unique = queries * 8;
+  if (variant == Variant::gpu) work.local_bytes = queries * (32 * 8 + 31 * 16);
+  if (variant == Variant::fpga) {
+    work.read_issued = work.read_unique = queries * (16 + 32 + 8) + trains * 48 + cells * 4;
+    work.add_loop(cells + 1, 1, 30);
+    work.add_loop(trains, 2, 30);      // 48 bytes on a port of 32 bytes a cycle
+    work.add_loop(queries, 40, 0);     // fetching a query, finding its cells, filling the pipeline
+    work.add_loop(2 * candidates, 1, 0);
+  }
+  return work;
+}
+
+/// The queries resemble the features to search: moved, some bits flipped, some not to be matched.
+KernelCase match_case(const Shape& shape, std::uint32_t seed) {
+  const Size size = size_of(shape);
+  const int cell0 = static_cast<int>(shape["cell0"]);
+  const int cell1 = static_cast<int>(shape["cell1"]);
+  Random random(seed);
+  const auto list = random_features(size, make_grid(size, cell0),
+                                    make_grid(level_size(size, 1), cell1), random);
+  const auto train_descriptors = random_descriptors(list.keypoints.size(), random);
+  const auto window = seed % 2 == 0 ? Window{-60 * 256, 0, -2 * 256, 2 * 256}
+                                    : Window{-24 * 256, 24 * 256, -24 * 256, 24 * 256};
+  std::vector<Keypoint> queries = list.keypoints;
+  std::vector<Descriptor> query_descriptors = train_descriptors;
+  std::vector<Shift> shifts(queries.size());
+  std::int64_t candidates = 0;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    queries[i].x_q8 += random.between(-10 * 256, 30 * 256);
+    queries[i].y_q8 += random.between(-3 * 256, 3 * 256);
+    query_descriptors[i][i % 8] ^= random.next() & random.next();
+    query_descriptors[i][(i + 3) % 8] ^= i % 3 == 0 ? 0xFFFFFFFFu : 0u;
+    const bool skipped = random.next() % 8 == 0;
+    shifts[i] = skipped ? Shift{kNoPrediction, 0}
+                        : Shift{random.between(-512, 512), random.between(-512, 512)};
+    for (const Keypoint& train : list.keypoints) {
+      const int dx = train.x_q8 - queries[i].x_q8 - shifts[i].x_q8;
+      const int dy = train.y_q8 - queries[i].y_q8 - shifts[i].y_q8;
+      candidates += !skipped && train.level() == queries[i].level() && dx >= window.x_least &&
+                    dx <= window.x_most && dy >= window.y_least && dy <= window.y_most;
+    }
+  }
+  const auto count = static_cast<std::int64_t>(queries.size());
+  return {shape.with("queries", count).with("trains", count).with("candidates", candidates),
+          {array_of<Keypoint>(queries, ElementType::i32),
+           array_of<Descriptor>(query_descriptors, ElementType::u32),
+           array_of<Shift>(shifts, ElementType::i32),
+           array_of<Keypoint>(list.keypoints, ElementType::i32),
+           array_of<Descriptor>(train_descriptors, ElementType::u32),
+           array_of<std::int32_t>(list.cell_start, ElementType::i32),
+           HostArray(ElementType::i32, queries.size() * 2), scalar(static_cast<int>(count)),
+           scalar(size.width), scalar(size.height), scalar(cell0), scalar(cell1),
+           scalar(window.x_least), scalar(window.x_most), scalar(window.y_least),
+           scalar(window.y_most), scalar(80), scalar(seed % 3 == 0 ? 256 : 200)}};
+}
+
+void match_golden(KernelCase& c) {
+  const auto queries = static_cast<std::size_t>(c.shape["queries"]);
+  const auto trains = static_cast<std::size_t>(c.shape["trains"]);
+  const Window window{value_of(c.args[12]), value_of(c.args[13]), value_of(c.args[14]),
+                      value_of(c.args[15])};
+  const auto matches = golden::match_window(
+      records_of<Keypoint>(c.args[0], queries), records_of<Descriptor>(c.args[1], queries),
+      records_of<Shift>(c.args[2], queries), records_of<Keypoint>(c.args[3], trains),
+      records_of<Descriptor>(c.args[4], trains), window, value_of(c.args[16]), value_of(c.args[17]));
+  assign_records<Match>(c.args[6], matches);
+}
+
+KernelSpec make_match() {
+  KernelSpec spec;
+  spec.name = spec.source = "match_window";
+  spec.task = "frontend";
+  spec.variants = kAllVariants;
+  spec.args = {{"queries", Access::in, ElementType::i32},
+               {"query_descriptors", Access::in, ElementType::u32},
+               {"shifts", Access::in, ElementType::i32},
+               {"trains", Access::in, ElementType::i32},
+               {"train_descriptors", Access::in, ElementType::u32},
+               {"cell_start", Access::in, ElementType::i32},
+               {"matches", Access::out, ElementType::i32}};
+  for (const char* name : {"query_count", "width", "height", "cell0", "cell1", "x_least", "x_most",
+                           "y_least", "y_most", "max_hamming", "ratio_q8"}) {
+    spec.args.push_back({name, Access::scalar, ElementType::i32});
+  }
+  spec.geometry = [](Variant variant, const Shape& shape) {
+    return feature_geometry(variant, shape["queries"], 32);
+  };
+  spec.work = match_work;
+  spec.design = design({{2048, 64, 1, 2}, {2048, 256, 1, 2}, {513, 32, 1, 2}},
+                       {{OpClass::int_special, 8}, {OpClass::int_add, 160}}, 16, 3);
+  spec.make_case = match_case;
+  spec.golden = match_golden;
+  const auto shape = [](std::int64_t width, std::int64_t height, std::int64_t cell0,
+                        std::int64_t cell1) {
+    return Shape{{"width", width}, {"height", height}, {"cell0", cell0},   {"cell1", cell1},
+                 {"queries", 0},   {"trains", 0},      {"candidates", 0}};
+  };
+  spec.small_shapes = {shape(64, 64, 30, 20), shape(90, 70, 16, 30)};
+  spec.shapes = {shape(301, 64, 8, 8), shape(1226, 370, 38, 36), shape(1280, 720, 54, 52)};
+  return spec;
+}
+
+Work invert_work(Variant variant, const Shape& shape) {
+  const auto queries = static_cast<std::uint64_t>(shape["queries"]);
+  const auto trains = static_cast<std::uint64_t>(shape["trains"]);
+  Work work;
+  work.kind = variant == Variant::gpu ? WorkKind::reduce : WorkKind::serial;
+  work.read_unique = 8 * queries;
+  work.written_unique = work.written_issued = 8 * trains;
+  if (variant == Variant::gpu) {
+    const std::uint64_t rounded = round_up(shape["trains"], 128);
+    work[OpClass::int_add] = 2 * queries * rounded;
+    work.read_issued = 8 * queries * (rounded / 128);
+    work.local_bytes = 8 * queries * (rounded / 128) + 8 * queries * rounded;
+    return work;
+  }
+  work[OpClass::int_add] = 2 * queries;
+  work.read_issued = 8 * queries;
+  if (variant == Variant::fpga) {
+    work.add_loop(trains, 1, 2);
+    work.add_loop(queries, 2, 20);  // read, compare and write of one entry follow each other
+    work.add_loop(trains, 1, 20);
+  }
+  return work;
+}
+
+KernelSpec make_invert() {
+  KernelSpec spec;
+  spec.name = spec.source = "invert_matches";
+  spec.task = "frontend";
+  spec.variants = kAllVariants;
+  spec.args = {{"matches", Access::in, ElementType::i32},
+               {"inverse", Access::out, ElementType::i32},
+               {"queries", Access::scalar, ElementType::i32},
+               {"trains", Access::scalar, ElementType::i32}};
+  spec.geometry = [](Variant variant, const Shape& shape) {
+    return variant == Variant::gpu
+               ? LaunchGeometry{{round_up(shape["trains"], 128), 1, 1}, {128, 1, 1}}
+               : LaunchGeometry{};
+  };
+  spec.work = invert_work;
+  spec.design = design({{2048, 64, 1, 2}}, {{OpClass::int_add, 4}}, 32, 2);
+  spec.make_case = [](const Shape& shape, std::uint32_t seed) {
+    const auto queries = static_cast<std::size_t>(shape["queries"]);
+    const int trains = static_cast<int>(shape["trains"]);
+    Random random(seed);
+    std::vector<Match> matches(queries);
+    for (Match& match : matches) {
+      if (random.next() % 4 != 0) match = {random.between(0, trains - 1), random.between(0, 12)};
+    }
+    return KernelCase{shape,
+                      {array_of<Match>(matches, ElementType::i32),
+                       HostArray(ElementType::i32, static_cast<std::size_t>(trains) * 2),
+                       scalar(static_cast<int>(queries)), scalar(trains)}};
+  };
+  spec.golden = [](KernelCase& c) {
+    const auto matches = records_of<Match>(c.args[0], static_cast<std::size_t>(c.shape["queries"]));
+    assign_records<Match>(c.args[1], golden::invert_matches(matches, value_of(c.args[3])));
+  };
+  const auto shape = [](std::int64_t queries, std::int64_t trains) {
+    return Shape{{"queries", queries}, {"trains", trains}};
+  };
+  spec.small_shapes = {shape(1, 1), shape(50, 30), shape(129, 200)};
+  spec.shapes = {shape(7, 2048), shape(2048, 3), shape(1300, 1500), shape(2048, 2048)};
+  return spec;
+}
+
+Work refine_work(Variant variant, const Shape& shape) {
+  const auto queries = static_cast<std::uint64_t>(shape["queries"]);
+  const auto matches = static_cast<std::uint64_t>(shape["matches"]);
+  const auto across = static_cast<std::uint64_t>(2 * shape["range_x"] + 1);
+  const auto down = static_cast<std::uint64_t>(2 * shape["range_y"] + 1);
+  const std::uint64_t positions = across * down;
+  const std::uint64_t window = (across + 10) * (down + 10);
+  const Size size = size_of(shape);
+  Work work;
+  work.kind = WorkKind::gather;
+  work[OpClass::int_add] = matches * (positions * 121 * 3 + positions + 12);
+  work[OpClass::int_mul] = matches * 4;
+  work[OpClass::int_special] = matches * 2;
+  const std::uint64_t lists = queries * 16 + matches * 32;
+  work.read_issued = lists + matches * (121 + window);
+  work.read_unique =
+      lists + std::min(matches * (121 + window), 2 * (pixels(size) + pixels(level_size(size, 1))));
+  work.written_issued = work.written_unique = queries * 16;
+  if (variant == Variant::cpu) work.read_issued = lists + matches * 11 * 16 * (1 + positions);
+  if (variant == Variant::gpu) {
+    work.local_bytes = matches * (121 + window + positions * (242 + 4) + positions * 4);
+  }
+  if (variant == Variant::fpga) {
+    // Per match the rows of the window, one offset per cycle, and the filling of both pipelines; per
+    // query the look-up whether it is unique.
+    work.add_loop(matches, static_cast<std::uint32_t>(down + 10 + positions) + 50, 0);
+    work.add_loop(queries, 8, 0);
+  }
+  return work;
+}
+
+KernelCase refine_case(const Shape& shape, std::uint32_t seed) {
+  const Size size = size_of(shape);
+  const auto count = static_cast<std::size_t>(shape["queries"]);
+  Random random(seed);
+  const GrayImage a0 = textured_image(size, seed);
+  const GrayImage b0 = moved_image(a0, -2, shape["range_y"] > 0 ? 1 : 0);
+  const GrayImage a1 = golden::pyramid_down(a0);
+  const GrayImage b1 = golden::pyramid_down(b0);
+  std::vector<Keypoint> from(count);
+  std::vector<Keypoint> to(count);
+  std::vector<Match> matches(count);
+  std::vector<Match> inverse(count);
+  std::int64_t unique = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const int level = random.between(0, 1);
+    const Size level_of = level_size(size, level);
+    const auto keypoint = [&](int x, int y) {
+      x = std::clamp(x, kBorder, level_of.width - kBorder - 1);
+      y = std::clamp(y, kBorder, level_of.height - kBorder - 1);
+      return Keypoint{to_original_q8(x, level), to_original_q8(y, level), x | (y << 16), level << 16};
+    };
+    const int x = random.between(kBorder, level_of.width - kBorder - 1);
+    const int y = random.between(kBorder, level_of.height - kBorder - 1);
+    from[i] = keypoint(x, y);
+    to[i] = keypoint(x + random.between(-4, 3), y + random.between(-1, 1));
+    matches[i] = {random.next() % 6 == 0 ? -1 : static_cast<int>(i), 10};
+    inverse[i] = {random.next() % 6 == 0 ? -1 : static_cast<int>(i), 10};
+    unique += matches[i].index >= 0 && inverse[i].index >= 0 ? 1 : 0;
+  }
+  return {shape.with("matches", unique),
+          {bytes_of(a0), bytes_of(a1), bytes_of(b0), bytes_of(b1),
+           array_of<Keypoint>(from, ElementType::i32), array_of<Keypoint>(to, ElementType::i32),
+           array_of<Match>(matches, ElementType::i32), array_of<Match>(inverse, ElementType::i32),
+           HostArray(ElementType::i32, count * 4), scalar(size.width),
+           scalar(static_cast<int>(count)), scalar(static_cast<int>(shape["range_x"])),
+           scalar(static_cast<int>(shape["range_y"])), scalar(shape["range_y"] > 0 ? 0 : 1),
+           scalar(seed % 2 == 0 ? 30855 : 1500)}};
+}
+
+void refine_golden(KernelCase& c) {
+  const Size size = size_of(c.shape);
+  const auto count = static_cast<std::size_t>(c.shape["queries"]);
+  std::vector<GrayImage> images;
+  for (int i = 0; i < 4; ++i) {
+    images.push_back(image_of(c.args[static_cast<std::size_t>(i)], level_size(size, i % 2)));
+  }
+  const std::span<const GrayImage> all(images);
+  const golden::RefineOptions options{value_of(c.args[11]), value_of(c.args[12]),
+                                      value_of(c.args[13]) != 0, value_of(c.args[14])};
+  const auto refined = golden::refine_sad(
+      all.first(2), all.last(2), records_of<Keypoint>(c.args[4], count),
+      records_of<Keypoint>(c.args[5], count), records_of<Match>(c.args[6], count),
+      records_of<Match>(c.args[7], count), options);
+  assign_records<RefinedMatch>(c.args[8], refined);
+}
+
+KernelSpec make_refine() {
+  KernelSpec spec;
+  spec.name = spec.source = "refine_sad";
+  spec.task = "frontend";
+  spec.variants = kAllVariants;
+  for (const char* name : {"a0", "a1", "b0", "b1"}) {
+    spec.args.push_back({name, Access::in, ElementType::u8});
+  }
+  for (const char* name : {"keypoints_a", "keypoints_b", "matches", "inverse"}) {
+    spec.args.push_back({name, Access::in, ElementType::i32});
+  }
+  spec.args.push_back({"refined_matches", Access::out, ElementType::i32});
+  for (const char* name : {"width", "count", "range_x", "range_y", "same_row", "max_sad"}) {
+    spec.args.push_back({name, Access::scalar, ElementType::i32});
+  }
+  spec.geometry = [](Variant variant, const Shape& shape) {
+    return feature_geometry(variant, shape["queries"], 16);
+  };
+  spec.work = refine_work;
+  // Both patches in registers, the costs in a memory; 121 differences with their sum side by side.
+  spec.design = design({{1, 968, 1, 2}, {1, 4104, 1, 2}, {153, 32, 1, 2}},
+                       {{OpClass::int_mul, 6}, {OpClass::int_special, 2}, {OpClass::int_add, 363}}, 10, 3);
+  spec.make_case = refine_case;
+  spec.golden = refine_golden;
+  const auto shape = [](std::int64_t width, std::int64_t height, std::int64_t queries,
+                        std::int64_t range_x, std::int64_t range_y) {
+    return Shape{{"width", width},     {"height", height},   {"queries", queries},
+                 {"matches", queries}, {"range_x", range_x}, {"range_y", range_y}};
+  };
+  spec.small_shapes = {shape(64, 64, 5, 5, 0), shape(70, 65, 6, 2, 2), shape(64, 80, 2, 8, 4)};
+  spec.shapes = {shape(64, 64, 100, 1, 0), shape(333, 99, 300, 8, 4), shape(1226, 370, 1200, 5, 0),
+                 shape(1280, 720, 2000, 2, 2)};
+  return spec;
+}
+
+}  // namespace
+
+const KernelSpec& match_window_spec() {
+  static const KernelSpec spec = make_match();
+  return spec;
+}
+
+const KernelSpec& invert_matches_spec() {
+  static const KernelSpec spec = make_invert();
+  return spec;
+}
+
+const KernelSpec& refine_sad_spec() {
+  static const KernelSpec spec = make_refine();
+  return spec;
+}
+
+std::vector<const KernelSpec*> kernel_specs() {
+  return {&pyramid_down_spec(), &fast_score_spec(),   &gaussian_blur_spec(),
+          &select_cells_spec(), &compact_spec(),      &describe_spec(),
+          &match_window_spec(), &invert_matches_spec(), &refine_sad_spec()};
+}
+
+}  // namespace partita::frontend
