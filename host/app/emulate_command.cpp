@@ -130,12 +130,12 @@ int emulate(EmulateOptions options, const Context& context) {
 }  // namespace
 
 void add_emulate(CLI::App& app, Context& context) {
-  CLI::App* command =
-      add_subcommand(app, context, "emulate", "Run any OpenCL program on an emulated machine",
-                     "partita emulate -- clinfo -l\n"
-                     "partita emulate --machine gpu-only --report -- clpeak --use-event-timer\n"
-                     "partita emulate --allow-source -- python3 my_pyopencl_script.py");
-  command->usage("Usage: partita emulate [OPTIONS] -- COMMAND [ARGUMENTS...]");
+  CLI::App* command = add_subcommand(
+      app, context, "emulate",
+      "Run any OpenCL program on an emulated machine: partita emulate [OPTIONS] -- COMMAND...",
+      "partita emulate -- clinfo -l\n"
+      "partita emulate --machine gpu-only --report -- clpeak --use-event-timer\n"
+      "partita emulate --allow-source -- python3 my_pyopencl_script.py");
   auto options = std::make_shared<EmulateOptions>();
   add_machine_option(command, options->emulation.machine);
   command->add_flag("--allow-source", options->emulation.allow_source,

@@ -49,7 +49,8 @@ std::string other_layers() {
   for (std::string_view rest = value == nullptr ? "" : value; !rest.empty();) {
     const std::string_view item = rest.substr(0, rest.find(':'));
     if (!item.empty() && fs::path(item).filename() != kLayerName) {
-      kept += (kept.empty() ? "" : ":") + std::string(item);
+      if (!kept.empty()) kept += ':';
+      kept += item;
     }
     rest.remove_prefix(std::min(rest.size(), item.size() + 1));
   }

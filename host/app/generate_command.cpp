@@ -16,7 +16,8 @@ struct GenerateOptions {
 int generate(const GenerateOptions& options, const Console& console) {
   const auto source = sensing::open_scenario(options.scenario);
   ProgressBar bar(console, "generating", source->size());
-  sensing::write_kitti(*source, options.out, [&bar](std::size_t done) { bar.update(done); });
+  sensing::write_kitti(*source, options.out,
+                       [&bar](std::size_t done, std::size_t) { bar.update(done); });
   bar.clear();
   Json document;
   document["out"] = options.out;

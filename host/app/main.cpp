@@ -22,6 +22,17 @@ std::string one_line(std::string text) {
   return text;
 }
 
+/// A misspelt command gets a better answer than CLI11's.
+void check_command_name(const CLI::App& app, const std::vector<std::string>& words) {
+  if (words.empty() || words.front().starts_with('-')) return;
+  std::string known;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (command->get_name() == words.front()) return;
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", command->get_name());
+  }
+  throw UsageError(fmt::format("no command '{}', expected one of {}", words.front(), known));
+}
+
 int parse_and_run(int argc, char** argv, Context& context) {
   CLI::App app{
       "Partita: what should run where on an autonomous vehicle's computer. Runs the real "
@@ -48,14 +59,15 @@ int parse_and_run(int argc, char** argv, Context& context) {
     context.tail.assign(std::next(dashes), words.end());
     words.erase(dashes, words.end());
   }
+  check_command_name(app, words);
+  const std::string first = words.empty() ? "" : words.front();
   std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
   try {
     app.parse(words);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    const std::string command = words.empty() ? "" : " " + words.back();
-    const bool known = !command.empty() && app.get_subcommand_no_throw(words.back()) != nullptr;
-    throw UsageError(fmt::format("{} (see partita{} --help)", error.what(), known ? command : ""));
+    const std::string command = first.starts_with('-') || first.empty() ? "" : " " + first;
+    throw UsageError(fmt::format("{} (see partita{} --help)", error.what(), command));
   }
   return context.action();
 }

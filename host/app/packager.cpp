@@ -11,6 +11,7 @@
 #include "host/app/environment.h"
 #include "host/app/text_sections.h"
 #include "host/io/file.h"
+#include "host/runtime/error.h"
 #include "host/runtime/program.h"
 #include "host/runtime/sources.h"
 #include "host/tasks/registry.h"
@@ -68,7 +69,7 @@ layer::Container make_container(const profile::DeviceProfile& device,
     const std::string file(runtime::kernel_file(*spec, text));
     sections[file + " " + spec->options] = {file, runtime::flattened_source(file), spec->options};
     container.kernels.push_back(describe(*spec, text));
-    container.area = container.area + container.kernels.back().area;
+    container.area = model::operator+(container.area, container.kernels.back().area);
   }
   std::vector<TextSection> ordered;
   for (auto& [key, section] : sections) ordered.push_back(std::move(section));
