@@ -15,6 +15,9 @@ namespace partita::timeline {
 
 /// Virtual nanoseconds since the machine's start.
 using Ns = std::uint64_t;
+inline constexpr Ns kLongest = Ns{1}
+                               << 42;       ///< of one command: 73 minutes; more is a slip of units
+inline constexpr Ns kLatest = Ns{1} << 60;  ///< of any time: 36 years
 
 struct LayoutNode {
   std::string name;
@@ -57,6 +60,9 @@ struct Layout {
 };
 
 Layout make_layout(const profile::Machine& machine);
+/// Throws profile::Error unless every id exists, every two nodes have one link, and every number is
+/// in range: what a Timeline relies on, whatever file a layout came from.
+void check_layout(const Layout& layout);
 
 /// What a command asks of its engine: launch_ns, then compute and memory traffic side by side. The
 /// timeline stretches the second part when the memory is shared. For a CPU device `units` cores

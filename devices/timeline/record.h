@@ -41,6 +41,7 @@ struct RecordedCommand {
   Demand demand;
   std::uint64_t bytes = 0;
   std::uint32_t compute_units = 1;
+  bool has_list = false;  ///< given a wait list (a marker without one waits for its whole queue)
   std::uint32_t first_wait = 0, wait_count = 0;        ///< range of Record::waits
   std::uint64_t measured_start = 0, measured_end = 0;  ///< wall ns; both 0: not measured
   bool resolved = false;
@@ -91,7 +92,7 @@ struct Record {
 void save_record(const Record& record, const std::string& path);
 void write_record(const Record& record, std::ostream& out);
 /// Strict: anything unknown, missing, out of range or inconsistent throws profile::Error with one
-/// line "<path>:<line>: …". A record that loads can be replayed.
+/// line "<path>:<line>: …". What loads replays, or replay() says which thread is stuck.
 Record load_record(const std::string& path);
 Record read_record(std::istream& in, const std::string& path);
 

@@ -59,6 +59,8 @@ class Timeline {
   /// A thread that the layer sees for the first time: on the main node, at the largest clock so
   /// far.
   ThreadId add_thread(std::string_view name);
+  /// A thread on `node` whose clock starts at `clock`, as a replay has it.
+  ThreadId add_thread_at(std::string_view name, std::uint32_t node, Ns clock);
   /// Names, ranks and places a thread (`near` kNone: main node); its clock becomes 0. The first
   /// binding of a timeline starts a new epoch: what happened before (building, warming up) leaves
   /// the record and frees its engines; old commands keep the times they showed, and a command that

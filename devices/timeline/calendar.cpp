@@ -1,0 +1,129 @@
+#include "devices/timeline/calendar.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace partita::timeline {
+
+std::vector<BusyTimes::Interval>::const_iterator BusyTimes::first_ending_after(Ns time) const {
+  return std::upper_bound(busy_.begin(), busy_.end(), time,
+                          [](Ns t, const Interval& i) { return t < i.end; });
+}
+
+Ns BusyTimes::first_fit(Ns ready, Ns duration) const {
+  Ns start = std::max(ready, floor_);
+  if (busy_.empty() || start >= busy_.back().end) return start;
+  for (auto it = first_ending_after(start); it != busy_.end(); ++it) {
+    if (start <= it->start && it->start - start >= duration) return start;
+    start = it->end;
+  }
+  return start;
+}
+
+void BusyTimes::reserve(Ns start, Ns end) {
+  if (start >= end) return;
+  if (start < floor_) throw std::logic_error("timeline: a reservation in the closed past");
+  if (busy_.empty() || start > busy_.back().end) {
+    busy_.push_back({start, end});
+    if (busy_.size() > kMaxGaps) close_before(busy_[busy_.size() / 2].start);
+    return;
+  }
+  if (start == busy_.back().end) {
+    busy_.back().end = end;
+    return;
+  }
+  const auto next = busy_.begin() + (first_ending_after(start) - busy_.begin());
+  if (next == busy_.end() || next->start < end) {
+    throw std::logic_error("timeline: an engine used twice at once");
+  }
+  const bool joins_next = next->start == end;
+  const bool joins_previous = next != busy_.begin() && (next - 1)->end == start;
+  if (joins_next && joins_previous) {
+    (next - 1)->end = next->end;
+    busy_.erase(next);
+  } else if (joins_next) {
+    next->start = start;
+  } else if (joins_previous) {
+    (next - 1)->end = end;
+  } else {
+    busy_.insert(next, {start, end});
+    if (busy_.size() > kMaxGaps) close_before(busy_[busy_.size() / 2].start);
+  }
+}
+
+void BusyTimes::clear() {
+  busy_.clear();
+  floor_ = 0;
+}
+
+void BusyTimes::close_before(Ns time) {
+  floor_ = std::max(floor_, time);
+  busy_.erase(busy_.begin(), first_ending_after(floor_));
+}
+
+std::size_t Bandwidth::step_at(Ns time) const {
+  const auto after = std::upper_bound(steps_.begin(), steps_.end(), time,
+                                      [](Ns t, const Step& s) { return t < s.from; });
+  return static_cast<std::size_t>(after - steps_.begin()) - 1;
+}
+
+std::uint32_t Bandwidth::used(Ns time) const {
+  if (steps_.empty() || time < steps_.front().from) return 0;
+  return steps_[step_at(time)].used;
+}
+
+Ns Bandwidth::stretched_end(Ns start, Ns busy, std::uint32_t share) const {
+  if (steps_.empty() || share == 0 || start >= steps_.back().from) return start + busy;
+  Ns now = start;
+  std::uint64_t left = busy * share;  // share x ns; busy < 2^42 and share <= 2^20
+  std::size_t i = now < steps_.front().from ? 0 : step_at(now) + 1;  // the step after `now`
+  std::uint32_t used_now = i == 0 ? 0 : steps_[i - 1].used;
+  while (left > 0) {
+    const std::uint64_t rate = std::min(share, kWhole - used_now);
+    if (i == steps_.size()) return now + (left + rate - 1) / rate;
+    const std::uint64_t span = steps_[i].from - now;
+    if (rate > 0 && (left + rate - 1) / rate <= span) return now + (left + rate - 1) / rate;
+    left -= rate * span;
+    now = steps_[i].from;
+    used_now = steps_[i++].used;
+  }
+  return now;
+}
+
+std::size_t Bandwidth::split(Ns time) {
+  if (steps_.empty() || time < steps_.front().from) {
+    steps_.insert(steps_.begin(), {time, 0});
+    return 0;
+  }
+  const std::size_t at = step_at(time);
+  if (steps_[at].from == time) return at;
+  steps_.insert(steps_.begin() + static_cast<std::ptrdiff_t>(at) + 1, {time, steps_[at].used});
+  return at + 1;
+}
+
+void Bandwidth::reserve(Ns start, Ns end, std::uint32_t share) {
+  if (start >= end || share == 0) return;
+  if (share > kWhole) throw std::logic_error("timeline: more than the whole bandwidth");
+  const std::size_t first = split(start);
+  const std::size_t last = split(end);
+  for (std::size_t i = first; i < last; ++i) {
+    steps_[i].used += std::min(share, kWhole - steps_[i].used);
+  }
+  // Steps of equal use need no border between them; only those around here can have become equal.
+  const auto equal = [](const Step& a, const Step& b) { return a.used == b.used; };
+  const auto from = steps_.begin() + static_cast<std::ptrdiff_t>(first > 0 ? first - 1 : 0);
+  const auto to = steps_.begin() + static_cast<std::ptrdiff_t>(last) + 1;
+  steps_.erase(std::unique(from, to, equal), to);
+  if (steps_.size() > kMaxGaps) {
+    const auto keep = steps_.begin() + kMaxGaps / 2;
+    floor_ = std::max(floor_, keep->from);
+    steps_.erase(steps_.begin(), keep);
+  }
+}
+
+void Bandwidth::clear() {
+  steps_.clear();
+  floor_ = 0;
+}
+
+}  // namespace partita::timeline

@@ -1,0 +1,68 @@
+// When an engine is busy, and how much of a memory's bandwidth is taken. Inside the timeline only.
+#ifndef PARTITA_DEVICES_TIMELINE_CALENDAR_H
+#define PARTITA_DEVICES_TIMELINE_CALENDAR_H
+
+#include <cstdint>
+#include <vector>
+
+#include "devices/timeline/layout.h"
+
+namespace partita::timeline {
+
+/// Gaps that are kept per calendar. Beyond, the older half is closed: nothing starts before it any
+/// more. It bounds memory, and depends on nothing but the sequence of reservations.
+inline constexpr std::size_t kMaxGaps = 1024;
+
+/// The busy intervals of one engine; intervals that touch are merged.
+class BusyTimes {
+ public:
+  /// The earliest start >= ready of a free stretch of `duration`.
+  Ns first_fit(Ns ready, Ns duration) const;
+  /// Throws std::logic_error if any of [start, end) is taken: an engine does one thing at a time.
+  void reserve(Ns start, Ns end);
+  void clear();
+  /// Nothing may start before `time` any more.
+  void close_before(Ns time);
+
+ private:
+  struct Interval {
+    Ns start, end;
+  };
+  std::vector<Interval>::const_iterator first_ending_after(Ns time) const;
+
+  std::vector<Interval> busy_;
+  Ns floor_ = 0;
+};
+
+/// The used share of a memory's bandwidth over time. A command draws a constant share when alone;
+/// where less is left it draws that and takes longer. Reservations never change afterwards.
+class Bandwidth {
+ public:
+  static constexpr std::uint32_t kWhole = 1u << 20;
+
+  /// Earliest time >= ready that is still open.
+  Ns open_from(Ns ready) const { return ready < floor_ ? floor_ : ready; }
+  /// END of a command that starts at `start`, needs `busy` ns alone and then draws `share`.
+  /// Integers throughout: `busy` x `share` is what it has to draw, to the unit.
+  Ns stretched_end(Ns start, Ns busy, std::uint32_t share) const;
+  /// Takes min(share, what is left) over [start, end). Throws std::logic_error above the whole.
+  void reserve(Ns start, Ns end, std::uint32_t share);
+  void clear();
+  /// Used share at a time.
+  std::uint32_t used(Ns time) const;
+
+ private:
+  struct Step {
+    Ns from;
+    std::uint32_t used;  ///< until the next step; the last one is 0 for ever
+  };
+  std::size_t step_at(Ns time) const;  ///< index of the step that holds `time`; steps not empty
+  std::size_t split(Ns time);          ///< makes a step begin at `time`
+
+  std::vector<Step> steps_;
+  Ns floor_ = 0;
+};
+
+}  // namespace partita::timeline
+
+#endif  // PARTITA_DEVICES_TIMELINE_CALENDAR_H

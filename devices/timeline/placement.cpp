@@ -1,0 +1,299 @@
+#include "devices/timeline/placement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace partita::timeline {
+namespace {
+
+/// ceil(bytes / bps) in nanoseconds, at most what a duration may be.
+Ns duration_of(std::uint64_t bytes, std::uint64_t bps) {
+  const auto scaled = static_cast<unsigned __int128>(bytes) * 1000000000u;
+  return static_cast<Ns>(std::min<unsigned __int128>((scaled + bps - 1) / bps, kLongest));
+}
+
+}  // namespace
+
+Placement::Placement(const Layout& layout, std::vector<Occupation>* sink)
+    : layout_(layout), sink_(sink) {
+  for (std::uint32_t n = 0; n < layout.nodes.size(); ++n) {
+    const LayoutNode& node = layout.nodes[n];
+    cores_.emplace_back();
+    for (std::uint32_t c = 0; c < node.cores; ++c) {
+      cores_.back().push_back(
+          add_engine(node.name + "/core" + std::to_string(c), EngineKind::core, n, kNone, kNone));
+    }
+    memories_.push_back({node.memory_bps, {}});
+  }
+  for (std::uint32_t l = 0; l < layout.links.size(); ++l) {
+    const LayoutLink& link = layout.links[l];
+    const std::string &a = layout.nodes[link.a].name, &b = layout.nodes[link.b].name;
+    networks_.push_back(add_engine(a + ">" + b, EngineKind::link, link.a, kNone, l));
+    add_engine(b + ">" + a, EngineKind::link, link.b, kNone, l);
+  }
+  add_devices();
+}
+
+void Placement::add_devices() {
+  for (DeviceId d = 0; d < layout_.devices.size(); ++d) {
+    const LayoutDevice& device = layout_.devices[d];
+    const std::string& node = layout_.nodes[device.node].name;
+    DeviceEngines e;
+    e.to_device = add_engine(node + ">" + device.name, EngineKind::link, device.node, d, kNone);
+    e.from_device = add_engine(device.name + ">" + node, EngineKind::link, device.node, d, kNone);
+    if (device.type == profile::DeviceType::gpu) {
+      e.compute = add_engine(device.name, EngineKind::compute, device.node, d, kNone);
+    } else if (device.type == profile::DeviceType::fpga) {
+      e.copies = add_engine(device.name + "/copy", EngineKind::compute, device.node, d, kNone);
+    }
+    if (device.shared_memory) {
+      e.memory = device.node;
+    } else if (device.type == profile::DeviceType::fpga) {
+      e.memory = static_cast<std::uint32_t>(memories_.size());
+      memories_.push_back({device.memory_bps, {}});
+    }
+    devices_.push_back(std::move(e));
+  }
+}
+
+EngineId Placement::add_engine(std::string name, EngineKind kind, std::uint32_t node,
+                               DeviceId device, std::uint32_t network) {
+  engines_.push_back({std::move(name), kind, node, device, network});
+  busy_.emplace_back();
+  return static_cast<EngineId>(engines_.size() - 1);
+}
+
+void Placement::clear() {
+  for (auto& engine : busy_) engine.clear();
+  for (auto& memory : memories_) memory.taken.clear();
+  for (auto& device : devices_) device.loaded = 0;
+}
+
+const std::vector<EngineId>& Placement::circuit(DeviceId device, NameId name,
+                                                const std::string& text, std::uint32_t count) {
+  auto& circuits = devices_[device].circuits;
+  auto found = std::find_if(circuits.begin(), circuits.end(),
+                            [&](const Circuit& c) { return c.name == name; });
+  if (found == circuits.end()) found = circuits.insert(found, {name, {}});
+  const LayoutDevice& d = layout_.devices[device];
+  while (found->engines.size() < std::clamp(count, 1u, 64u)) {
+    const std::size_t n = found->engines.size();
+    found->engines.push_back(
+        add_engine(d.name + "/" + text + (n == 0 ? "" : "#" + std::to_string(n + 1)),
+                   EngineKind::compute, d.node, device, kNone));
+    busy_.back().close_before(devices_[device].loaded);
+  }
+  return found->engines;
+}
+
+/// The share of a memory that `bytes` in `busy` ns are; integers from here on.
+std::uint32_t Placement::share_of(std::uint32_t memory, Ns busy, std::uint64_t bytes) const {
+  if (memory == kNone || bytes == 0 || busy == 0) return 0;
+  const double whole = static_cast<double>(busy) * static_cast<double>(memories_[memory].bps);
+  const double share = static_cast<double>(bytes) * 1e9 / whole * Bandwidth::kWhole;
+  return static_cast<std::uint32_t>(std::clamp(std::ceil(share), 1.0, 1.0 * Bandwidth::kWhole));
+}
+
+void Placement::occupy(NodeId id, EngineId engine, Ns start, Ns end) {
+  busy_[engine].reserve(start, end);
+  if (sink_ != nullptr && end > start) sink_->push_back({id, engine, start, end});
+}
+
+/// On the engine of the list where it starts first. The launch part draws no memory; the rest is
+/// stretched where the memory is taken, and has to fit the gap as stretched.
+Placed Placement::on_first_free(NodeId id, const EngineId* engines, std::size_t count,
+                                std::uint32_t memory, Ns ready, Ns launch, Ns busy,
+                                std::uint64_t bytes) {
+  Bandwidth* taken = memory == kNone ? nullptr : &memories_[memory].taken;
+  const std::uint32_t share = share_of(memory, busy, bytes);
+  if (share > 0) ready = taken->open_from(ready);
+  Placed best{std::numeric_limits<Ns>::max(), 0};
+  EngineId chosen = engines[0];
+  for (std::size_t i = 0; i < count; ++i) {
+    Ns start = busy_[engines[i]].first_fit(ready, launch + busy), end = 0;
+    for (bool fits = false; !fits;) {
+      const Ns running = start + launch;
+      end = share > 0 ? taken->stretched_end(running, busy, share) : running + busy;
+      const Ns next = busy_[engines[i]].first_fit(start, end - start);
+      fits = next == start;
+      start = next;
+    }
+    if (start < best.start) {
+      best = {start, end};
+      chosen = engines[i];
+    }
+    if (start == ready) break;
+  }
+  occupy(id, chosen, best.start, best.end);
+  if (share > 0) taken->reserve(best.start + launch, best.end, share);
+  return best;
+}
+
+/// The earliest time >= ready at which `wanted` of the node's cores are free for `duration`.
+Ns Placement::cores_free(std::uint32_t node, std::uint32_t wanted, Ns ready, Ns duration) {
+  const auto& cores = cores_[node];
+  starts_.resize(cores.size());
+  for (Ns time = ready;;) {
+    for (std::size_t c = 0; c < cores.size(); ++c) {
+      starts_[c] = busy_[cores[c]].first_fit(time, duration);
+    }
+    std::nth_element(starts_.begin(), starts_.begin() + (wanted - 1), starts_.end());
+    if (starts_[wanted - 1] == time) return time;
+    time = starts_[wanted - 1];
+  }
+}
+
+/// A kernel on a CPU: more cores end it sooner but may be free later; the number of cores that
+/// gives the earliest END (of equal ones the largest) is taken, the cores with the lowest numbers.
+Placed Placement::on_cores(NodeId id, DeviceId device, Ns ready, const Demand& demand) {
+  const std::uint32_t node = layout_.devices[device].node;
+  const LayoutNode& host = layout_.nodes[node];
+  const std::uint32_t most = std::clamp(demand.units, 1u, host.cores);
+  const auto busy_with = [&](std::uint32_t cores) {
+    const auto all = static_cast<unsigned __int128>(demand.compute_ns) * most;
+    Ns busy = std::max(static_cast<Ns>((all + cores - 1) / cores), demand.memory_ns);
+    if (host.unit_memory_bps > 0) {
+      busy = std::max(busy, duration_of(demand.bytes, host.unit_memory_bps * cores));
+    }
+    return busy;
+  };
+  Bandwidth& taken = memories_[node].taken;
+  ready = taken.open_from(ready);
+  Placed best{0, std::numeric_limits<Ns>::max()};
+  std::uint32_t chosen = most;
+  for (std::uint32_t cores = most; cores >= 1; --cores) {
+    const Ns busy = busy_with(cores);
+    if (ready + demand.launch_ns + busy >= best.end) break;  // fewer cores only take longer
+    const std::uint32_t share = share_of(node, busy, demand.bytes);
+    Ns start = cores_free(node, cores, ready, demand.launch_ns + busy), end = 0;
+    for (bool fits = false; !fits;) {
+      end = taken.stretched_end(start + demand.launch_ns, busy, share);
+      const Ns next = cores_free(node, cores, start, end - start);
+      fits = next == start;
+      start = next;
+    }
+    if (end < best.end) {
+      best = {start, end};
+      chosen = cores;
+    }
+  }
+  const std::uint32_t share = share_of(node, busy_with(chosen), demand.bytes);
+  for (std::uint32_t c = 0, left = chosen; c < host.cores && left > 0; ++c) {
+    const EngineId engine = cores_[node][c];
+    if (busy_[engine].first_fit(best.start, best.end - best.start) != best.start) continue;
+    occupy(id, engine, best.start, best.end);
+    --left;
+  }
+  taken.reserve(best.start + demand.launch_ns, best.end, share);
+  return best;
+}
+
+Placed Placement::kernel(NodeId id, DeviceId device, NameId circuit_name, const std::string& name,
+                         std::uint32_t compute_units, Ns ready, const Demand& demand) {
+  const DeviceEngines& e = devices_[device];
+  const Ns busy = std::max(demand.compute_ns, demand.memory_ns);
+  switch (layout_.devices[device].type) {
+    case profile::DeviceType::cpu:
+      return on_cores(id, device, ready, demand);
+    case profile::DeviceType::gpu:
+      return on_first_free(id, &e.compute, 1, e.memory, ready, demand.launch_ns, busy,
+                           demand.bytes);
+    case profile::DeviceType::fpga:
+      break;
+  }
+  const auto& engines = circuit(device, circuit_name, name, compute_units);
+  return on_first_free(id, engines.data(), engines.size(), e.memory, ready, demand.launch_ns, busy,
+                       demand.bytes);
+}
+
+Placed Placement::inside(NodeId id, DeviceId device, Ns ready, const Demand& demand) {
+  const DeviceEngines& e = devices_[device];
+  const Ns busy = std::max(demand.compute_ns, demand.memory_ns);
+  if (layout_.devices[device].type == profile::DeviceType::cpu) {
+    Demand alone = demand;
+    alone.units = 1;
+    return on_cores(id, device, ready, alone);
+  }
+  const EngineId engine = e.compute != kNone ? e.compute : e.copies;
+  return on_first_free(id, &engine, 1, e.memory, ready, demand.launch_ns, busy, demand.bytes);
+}
+
+Placed Placement::load(NodeId id, DeviceId device, Ns ready, const Demand& demand) {
+  DeviceEngines& e = devices_[device];
+  std::vector<EngineId> all;
+  for (EngineId engine = 0; engine < engines_.size(); ++engine) {
+    if (engines_[engine].device == device) all.push_back(engine);
+  }
+  const Ns duration = demand.launch_ns + std::max(demand.compute_ns, demand.memory_ns);
+  Ns start = ready;
+  for (std::size_t agreed = 0, i = 0; agreed < all.size(); i = (i + 1) % all.size()) {
+    const Ns fit = busy_[all[i]].first_fit(start, duration);
+    agreed = fit == start ? agreed + 1 : 1;
+    start = fit;
+  }
+  for (const EngineId engine : all) occupy(id, engine, start, start + duration);
+  e.loaded = std::max(e.loaded, start + duration);
+  return {start, start + duration};
+}
+
+Placed Placement::transfer(NodeId id, DeviceId device, std::uint32_t node, bool to_device,
+                           bool maps, Ns ready, std::uint64_t bytes) {
+  const LayoutDevice& d = layout_.devices[device];
+  const DeviceEngines& e = devices_[device];
+  const EngineId engine = to_device ? e.to_device : e.from_device;
+  if (bytes == 0) return {ready, ready};
+  if (node != d.node && d.shared_memory) {
+    // Received straight into, or sent straight from, the memory that host and device share.
+    return to_device ? network(id, node, d.node, ready, bytes)
+                     : network(id, d.node, node, ready, bytes);
+  }
+  const auto local = [&](Ns from) {
+    if (d.shared_memory && maps) {
+      return on_first_free(id, &engine, 1, kNone, from, d.link_latency_ns, 0, 0);
+    }
+    const std::uint64_t traffic = d.shared_memory ? 2 * bytes : 0;  // memcpy reads and writes
+    return on_first_free(id, &engine, 1, e.memory, from, d.link_latency_ns,
+                         duration_of(bytes, d.link_bps), traffic);
+  };
+  if (node == d.node) return local(ready);
+  if (to_device) {
+    const Placed first = network(id, node, d.node, ready, bytes);
+    return {first.start, local(first.end).end};
+  }
+  const Placed first = local(ready);
+  return {first.start, network(id, d.node, node, first.end, bytes).end};
+}
+
+Placed Placement::network(NodeId id, std::uint32_t from, std::uint32_t to, Ns ready,
+                          std::uint64_t bytes) {
+  if (from == to || bytes == 0) return {ready, ready};
+  for (std::uint32_t l = 0; l < layout_.links.size(); ++l) {
+    const LayoutLink& link = layout_.links[l];
+    const bool forth = link.a == from && link.b == to;
+    if (!forth && !(link.b == from && link.a == to)) continue;
+    const EngineId engine = networks_[l] + (forth ? 0 : 1);
+    return on_first_free(id, &engine, 1, kNone, ready, link.latency_ns,
+                         duration_of(bytes, link.bps), 0);
+  }
+  throw profile::Error("machine '" + layout_.machine + "': no link from node '" +
+                       layout_.nodes[from].name + "' to '" + layout_.nodes[to].name + "'");
+}
+
+Ns Placement::latency(std::uint32_t from, std::uint32_t to) const {
+  if (from == to) return 0;
+  for (const LayoutLink& link : layout_.links) {
+    if ((link.a == from && link.b == to) || (link.b == from && link.a == to)) {
+      return link.latency_ns;
+    }
+  }
+  return 0;
+}
+
+Placed Placement::core(NodeId id, std::uint32_t node, Ns ready, const Demand& demand) {
+  const auto& cores = cores_[node];
+  return on_first_free(id, cores.data(), cores.size(), node, ready, demand.launch_ns,
+                       std::max(demand.compute_ns, demand.memory_ns), demand.bytes);
+}
+
+}  // namespace partita::timeline

@@ -1,0 +1,89 @@
+// Placement: the machine's engines and memories, and where commands fit on them. Inside the
+// timeline only. It knows nothing of queues, events or threads: READY goes in, START and END out.
+#ifndef PARTITA_DEVICES_TIMELINE_PLACEMENT_H
+#define PARTITA_DEVICES_TIMELINE_PLACEMENT_H
+
+#include <string>
+#include <vector>
+
+#include "devices/timeline/calendar.h"
+#include "devices/timeline/command.h"
+#include "devices/timeline/timeline.h"
+
+namespace partita::timeline {
+
+struct Placed {
+  Ns start = 0, end = 0;
+};
+
+class Placement {
+ public:
+  Placement(const Layout& layout, std::vector<Occupation>* sink);
+
+  /// A kernel: on a GPU's compute engine; on an FPGA the first free of the `compute_units`
+  /// circuits that `circuit` names; on a CPU as many of at most demand.units cores as end it first.
+  Placed kernel(NodeId id, DeviceId device, NameId circuit, const std::string& name,
+                std::uint32_t compute_units, Ns ready, const Demand& demand);
+  /// A copy or fill inside the device's memory.
+  Placed inside(NodeId id, DeviceId device, Ns ready, const Demand& demand);
+  /// All engines of the device, idle; circuits that appear later start after it.
+  Placed load(NodeId id, DeviceId device, Ns ready, const Demand& demand);
+  /// `bytes` between a node and a device, over the network where they are on different nodes.
+  /// `maps`: nothing moves if host and device share the memory.
+  Placed transfer(NodeId id, DeviceId device, std::uint32_t node, bool to_device, bool maps,
+                  Ns ready, std::uint64_t bytes);
+  /// `bytes` from node to node; free on the same one.
+  Placed network(NodeId id, std::uint32_t from, std::uint32_t to, Ns ready, std::uint64_t bytes);
+  /// A host step on the first free core.
+  Placed core(NodeId id, std::uint32_t node, Ns ready, const Demand& demand);
+
+  /// Latency of the network between two nodes; 0 on the same one.
+  Ns latency(std::uint32_t from, std::uint32_t to) const;
+  const std::vector<Engine>& engines() const { return engines_; }
+  /// Everything free again.
+  void clear();
+
+ private:
+  struct Circuit {
+    NameId name;
+    std::vector<EngineId> engines;
+  };
+  struct DeviceEngines {
+    EngineId to_device, from_device;
+    EngineId compute = kNone;  ///< GPU
+    EngineId copies = kNone;   ///< FPGA
+    std::vector<Circuit> circuits;
+    std::uint32_t memory = kNone;  ///< index into memories_; kNone: its engine has it to itself
+    Ns loaded = 0;
+  };
+  struct Memory {
+    std::uint64_t bps;
+    Bandwidth taken;
+  };
+
+  EngineId add_engine(std::string name, EngineKind kind, std::uint32_t node, DeviceId device,
+                      std::uint32_t network);
+  void add_devices();
+  const std::vector<EngineId>& circuit(DeviceId device, NameId name, const std::string& text,
+                                       std::uint32_t count);
+  std::uint32_t share_of(std::uint32_t memory, Ns busy, std::uint64_t bytes) const;
+  Placed on_first_free(NodeId id, const EngineId* engines, std::size_t count, std::uint32_t memory,
+                       Ns ready, Ns launch, Ns busy, std::uint64_t bytes);
+  Placed on_cores(NodeId id, DeviceId device, Ns ready, const Demand& demand);
+  Ns cores_free(std::uint32_t node, std::uint32_t wanted, Ns ready, Ns duration);
+  void occupy(NodeId id, EngineId engine, Ns start, Ns end);
+
+  const Layout& layout_;
+  std::vector<Occupation>* sink_;
+  std::vector<Engine> engines_;
+  std::vector<BusyTimes> busy_;               ///< by EngineId
+  std::vector<std::vector<EngineId>> cores_;  ///< by node
+  std::vector<Ns> starts_;                    ///< of cores_free, kept to save an allocation
+  std::vector<EngineId> networks_;            ///< by link: a to b; the next engine is b to a
+  std::vector<DeviceEngines> devices_;
+  std::vector<Memory> memories_;  ///< one per node, then one per device that needs its own
+};
+
+}  // namespace partita::timeline
+
+#endif  // PARTITA_DEVICES_TIMELINE_PLACEMENT_H
