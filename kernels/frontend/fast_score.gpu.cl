@@ -17,11 +17,11 @@ __kernel __attribute__((reqd_work_group_size(TILE_X, TILE_Y, 1))) void fast_scor
   __local uchar tile[HALO_Y * HALO_X];
   const int left = (int)get_group_id(0) * TILE_X - 3;
   const int top = (int)get_group_id(1) * TILE_Y - 3;
-  const int lane = (int)get_local_id(1) * TILE_X + (int)get_local_id(0);
-  for (int i = lane; i < HALO_Y * HALO_X; i += TILE_X * TILE_Y) {
-    const int sx = clamp(left + i % HALO_X, 0, width - 1);
-    const int sy = clamp(top + i / HALO_X, 0, height - 1);
-    tile[i] = src[sy * width + sx];
+  for (int ty = (int)get_local_id(1); ty < HALO_Y; ty += TILE_Y) {
+    const int sy = clamp(top + ty, 0, height - 1);
+    for (int tx = (int)get_local_id(0); tx < HALO_X; tx += TILE_X) {
+      tile[ty * HALO_X + tx] = src[sy * width + clamp(left + tx, 0, width - 1)];
+    }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
 

@@ -19,7 +19,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void pyramid_down(
   const int last = min(first + BAND, out_height);
   for (int y = first; y < last; ++y) {
     const ushort wy = DOWN_WEIGHT[y % 5];
-    __global const uchar* top = src + (y + y / 5) * width;
+    __global const uchar* top = src + y * 6 / 5 * width;
     __global const uchar* bottom = top + width;
     int x = 0;
     for (; x + 16 <= width; x += 16) {

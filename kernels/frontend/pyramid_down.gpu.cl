@@ -14,6 +14,6 @@ __kernel __attribute__((reqd_work_group_size(32, 8, 1))) void pyramid_down(
   if (x >= out_width || y >= out_height) return;
   const int wx = DOWN_WEIGHT[x % 5];
   const int wy = DOWN_WEIGHT[y % 5];
-  __global const uchar* p = src + (y + y / 5) * width + x + x / 5;
+  __global const uchar* p = src + y * 6 / 5 * width + x * 6 / 5;
   dst[y * out_width + x] = blend_down(p[0], p[1], p[width], p[width + 1], wx, wy);
 }

@@ -44,23 +44,32 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void refine_sad(
     __global const uchar* from_b = (level == 0 ? b0 : b1) + (y - SAD_RADIUS - range_y) * stride + x -
                                    SAD_RADIUS - range_x;
     for (int row = 0; row < SAD_SIZE; ++row) patch[row] = vload16(0, from_a + row * stride) & mask;
+    int p = 0;
     int best = 0;
-    for (int p = 0; p < positions; ++p) {
-      __global const uchar* at = from_b + p / across * stride + p % across;
-      ushort16 sums = (ushort16)(0);
-      for (int row = 0; row < SAD_SIZE; ++row) {
-        const uchar16 there = vload16(0, at + row * stride) & mask;
-        sums += convert_ushort16(max(patch[row], there) - min(patch[row], there));
+    int best_x = 0;
+    int best_y = 0;
+    for (int dy = -range_y; dy <= range_y; ++dy) {
+      for (int dx = -range_x; dx <= range_x; ++dx, ++p) {
+        __global const uchar* at = from_b + (dy + range_y) * stride + dx + range_x;
+        ushort16 sums = (ushort16)(0);
+        for (int row = 0; row < SAD_SIZE; ++row) {
+          const uchar16 there = vload16(0, at + row * stride) & mask;
+          sums += convert_ushort16(max(patch[row], there) - min(patch[row], there));
+        }
+        costs[p] = sum_of(sums);
+        if (p == 0 || costs[p] < costs[best]) {
+          best = p;
+          best_x = dx;
+          best_y = dy;
+        }
       }
-      costs[p] = sum_of(sums);
-      best = costs[p] < costs[best] ? p : best;
     }
     const int west = best > 0 ? costs[best - 1] : 0;
     const int east = best + 1 < positions ? costs[best + 1] : 0;
     const int north = best >= across ? costs[best - across] : 0;
     const int south = best + across < positions ? costs[best + across] : 0;
     refined_matches[index] =
-        refined(x, y, level, other, best % across - range_x, best / across - range_y, range_x, range_y,
-                west, east, north, south, costs[best], max_sad);
+        refined(x, y, level, other, best_x, best_y, range_x, range_y, west, east, north, south,
+                costs[best], max_sad);
   }
 }

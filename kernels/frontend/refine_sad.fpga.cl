@@ -47,6 +47,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void refine_sad(
         }
       }
       int best = 0;
+      int best_x = 0;
+      int best_y = 0;
       int least = 0x7FFFFFFF;
       int bx = 0;
       int by = 0;
@@ -61,7 +63,11 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void refine_sad(
           }
         }
         costs[p] = sum;
-        best = sum < least ? p : best;
+        if (sum < least) {
+          best = p;
+          best_x = bx - range_x;
+          best_y = by - range_y;
+        }
         least = min(least, sum);
         ++bx;
         if (bx == across) {
@@ -73,8 +79,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void refine_sad(
       const int east = best + 1 < positions ? costs[best + 1] : 0;
       const int north = best >= across ? costs[best - across] : 0;
       const int south = best + across < positions ? costs[best + across] : 0;
-      result = refined(x, y, level, other, best % across - range_x, best / across - range_y, range_x,
-                       range_y, west, east, north, south, least, max_sad);
+      result = refined(x, y, level, other, best_x, best_y, range_x, range_y, west, east, north, south,
+                       least, max_sad);
     }
     refined_matches[index] = result;
   }

@@ -49,16 +49,19 @@ __kernel __attribute__((reqd_work_group_size(LANES, PER_GROUP, 1))) void refine_
                                   (a.z & 0xFFFF) - SAD_RADIUS;
     __global const uchar* window = (level == 0 ? b0 : b1) + (y - SAD_RADIUS - range_y) * stride + x -
                                    SAD_RADIUS - range_x;
-    for (int i = lane; i < SAD_SIZE * SAD_SIZE; i += LANES) {
-      patches[slot][i] = patch[i / SAD_SIZE * stride + i % SAD_SIZE];
+    for (int row = 0; row < SAD_SIZE && lane < SAD_SIZE; ++row) {
+      patches[slot][row * SAD_SIZE + lane] = patch[row * stride + lane];
     }
-    for (int i = lane; i < window_x * window_y; i += LANES) {
-      windows[slot][i] = window[i / window_x * stride + i % window_x];
+    for (int row = 0; row < window_y && lane < window_x; ++row) {
+      windows[slot][row * window_x + lane] = window[row * stride + lane];
     }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
+  const int reciprocal = 65536 / across + 1;  // p / across, exact for p < 153
   for (int p = lane; p < positions && other >= 0; p += LANES) {
-    __local const uchar* b = windows[slot] + p / across * window_x + p % across;
+    const int row_of_p = (p * reciprocal) >> 16;
+    __local const uchar* b =
+        windows[slot] + row_of_p * (window_x - across) + p;
     int sum = 0;
     for (int row = 0; row < SAD_SIZE; ++row) {
       for (int column = 0; column < SAD_SIZE; ++column) {
@@ -71,15 +74,16 @@ __kernel __attribute__((reqd_work_group_size(LANES, PER_GROUP, 1))) void refine_
   if (lane != 0 || index >= count) return;
   int4 result = REFUSED;
   if (other >= 0) {
-    int best = 0;
-    for (int p = 1; p < positions; ++p) best = costs[slot][p] < costs[slot][best] ? p : best;
     __local const int* c = costs[slot];
+    int best = 0;
+    for (int p = 1; p < positions; ++p) best = c[p] < c[best] ? p : best;
+    const int best_row = (best * reciprocal) >> 16;
     const int west = best > 0 ? c[best - 1] : 0;
     const int east = best + 1 < positions ? c[best + 1] : 0;
     const int north = best >= across ? c[best - across] : 0;
     const int south = best + across < positions ? c[best + across] : 0;
-    result = refined(x, y, level, other, best % across - range_x, best / across - range_y, range_x,
-                     range_y, west, east, north, south, c[best], max_sad);
+    result = refined(x, y, level, other, best - best_row * across - range_x, best_row - range_y,
+                     range_x, range_y, west, east, north, south, c[best], max_sad);
   }
   refined_matches[index] = result;
 }

@@ -5,11 +5,13 @@
 // The grid begins at (BORDER, BORDER) and has ceil((width - 2 BORDER) / cell) columns, rows likewise;
 // cell i of the image writes slots (first_cell + i) * PER_CELL and following.
 // Assumes: width, height > 2 BORDER, at most 4096; stride == width; cell even, at least 2.
-// One group of 64 per cell: every work-item keeps the best of its pixels, then PER_CELL rounds take
+// One group of 16 x 4 per cell: every work-item keeps the best of its pixels, then PER_CELL rounds take
 // the greatest of all heads. Keys contain the position, so no two are equal.
 #include "frontend/common.clh"
 
-#define GROUP 64
+#define GROUP_X 16
+#define GROUP_Y 4
+#define GROUP (GROUP_X * GROUP_Y)
 
 static inline uint survivor(__global const uchar* p, int width, int x, int y) {
   const uchar s = p[0];
@@ -21,33 +23,35 @@ static inline uint survivor(__global const uchar* p, int width, int x, int y) {
   return s > before && s >= after ? corner_key(s, x, y) : 0;
 }
 
-__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void select_cells(
+__kernel __attribute__((reqd_work_group_size(GROUP_X, GROUP_Y, 1))) void select_cells(
     __global const uchar* restrict score, __global uint* restrict slots, int width, int height,
     int cell, int first_cell, int threshold_high) {
   __local uint heads[GROUP];
   const int columns = (width - 2 * BORDER + cell - 1) / cell;
-  const int index = (int)get_group_id(0);
-  const int left = BORDER + index % columns * cell;
-  const int top = BORDER + index / columns * cell;
-  const int across = min(cell, width - BORDER - left);
-  const int down = min(cell, height - BORDER - top);
-  const int lane = (int)get_local_id(0);
+  const int column = (int)get_group_id(0);
+  const int row = (int)get_group_id(1);
+  const int index = row * columns + column;
+  const int left = BORDER + column * cell;
+  const int top = BORDER + row * cell;
+  const int right = min(left + cell, width - BORDER);
+  const int bottom = min(top + cell, height - BORDER);
+  const int lane = (int)get_local_id(1) * GROUP_X + (int)get_local_id(0);
 
   uint k0 = 0, k1 = 0, k2 = 0, k3 = 0;
-  for (int i = lane; i < across * down; i += GROUP) {
-    const int x = left + i % across;
-    const int y = top + i / across;
-    uint key = survivor(score + y * width + x, width, x, y);
-    const uint m0 = max(k0, key);
-    key = min(k0, key);
-    const uint m1 = max(k1, key);
-    key = min(k1, key);
-    const uint m2 = max(k2, key);
-    key = min(k2, key);
-    k3 = max(k3, key);
-    k0 = m0;
-    k1 = m1;
-    k2 = m2;
+  for (int y = top + (int)get_local_id(1); y < bottom; y += GROUP_Y) {
+    for (int x = left + (int)get_local_id(0); x < right; x += GROUP_X) {
+      uint key = survivor(score + y * width + x, width, x, y);
+      const uint m0 = max(k0, key);
+      key = min(k0, key);
+      const uint m1 = max(k1, key);
+      key = min(k1, key);
+      const uint m2 = max(k2, key);
+      key = min(k2, key);
+      k3 = max(k3, key);
+      k0 = m0;
+      k1 = m1;
+      k2 = m2;
+    }
   }
 
   uint best = 0;

@@ -26,7 +26,8 @@ LaunchGeometry select_geometry(Variant variant, const Shape& shape) {
   const Grid grid = grid_of(shape);
   switch (variant) {
     case Variant::gpu:
-      return {{static_cast<std::size_t>(grid.cells()) * 64, 1, 1}, {64, 1, 1}};
+      return {{static_cast<std::size_t>(grid.columns) * 16, static_cast<std::size_t>(grid.rows) * 4, 1},
+              {16, 4, 1}};
     case Variant::cpu:
       return {{static_cast<std::size_t>(grid.rows), 1, 1}, {1, 1, 1}};
     case Variant::fpga:

@@ -135,7 +135,7 @@ KernelSpec make_match() {
                  {"queries", 0},   {"trains", 0},      {"candidates", 0}};
   };
   spec.small_shapes = {shape(64, 64, 30, 20), shape(90, 70, 16, 30)};
-  spec.shapes = {shape(301, 64, 8, 8), shape(1226, 370, 38, 36), shape(1280, 720, 54, 52)};
+  spec.shapes = {shape(301, 64, 8, 8), shape(1226, 370, 38, 36), shape(1280, 720, 56, 56)};
   return spec;
 }
 
