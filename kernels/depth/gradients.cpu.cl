@@ -1,0 +1,143 @@
+// Sobel gradients and descriptors, CPU variant.
+// Assumes: pictures without row padding; any size from 1 x 1; one work-item takes a band of BAND
+// rows, local size 1. Inside a row 16 pixels go at a time, the last 16 overlap their predecessors;
+// columns at the border, and rows narrower than one step, go one by one with repeated edges.
+#include "depth/constants.clh"
+
+static inline short16 widen(__global const uchar *p) { return convert_short16(vload16(0, p)); }
+
+static inline uchar16 squeeze16(short16 response) {
+  return convert_uchar16(clamp((short16)(128) + (response >> 2), (short16)(0), (short16)(255)));
+}
+
+static inline uchar squeeze(int response) { return (uchar)clamp(128 + (response >> 2), 0, 255); }
+
+static inline void sobel_pixel(__global const uchar *above, __global const uchar *here,
+                               __global const uchar *below, int x, int width, __global uchar *du,
+                               __global uchar *dv) {
+  const int l = max(x - 1, 0);
+  const int r = min(x + 1, width - 1);
+  const int first = above[l];
+  const int third = above[r];
+  const int seventh = below[l];
+  const int ninth = below[r];
+  du[x] = squeeze(third + 2 * here[r] + ninth - first - 2 * here[l] - seventh);
+  dv[x] = squeeze(seventh + 2 * below[x] + ninth - first - 2 * above[x] - third);
+}
+
+static inline void sobel_step(__global const uchar *above, __global const uchar *here,
+                              __global const uchar *below, int x, __global uchar *du,
+                              __global uchar *dv) {
+  const short16 first = widen(above + x - 1);
+  const short16 third = widen(above + x + 1);
+  const short16 seventh = widen(below + x - 1);
+  const short16 ninth = widen(below + x + 1);
+  const short16 sides = (widen(here + x + 1) - widen(here + x - 1)) * (short16)(2);
+  const short16 ends = (widen(below + x) - widen(above + x)) * (short16)(2);
+  vstore16(squeeze16(third + ninth - first - seventh + sides), 0, du + x);
+  vstore16(squeeze16(seventh + ninth - first - third + ends), 0, dv + x);
+}
+
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void sobel(
+    __global const uchar *restrict image, __global uchar *restrict du, __global uchar *restrict dv,
+    int width, int height) {
+  const int begin = (int)get_global_id(0) * BAND;
+  for (int y = begin; y < min(begin + BAND, height); ++y) {
+    __global const uchar *above = image + (size_t)max(y - 1, 0) * (size_t)width;
+    __global const uchar *here = image + (size_t)y * (size_t)width;
+    __global const uchar *below = image + (size_t)min(y + 1, height - 1) * (size_t)width;
+    __global uchar *du_row = du + (size_t)y * (size_t)width;
+    __global uchar *dv_row = dv + (size_t)y * (size_t)width;
+    if (width < 18) {
+      for (int x = 0; x < width; ++x) sobel_pixel(above, here, below, x, width, du_row, dv_row);
+      continue;
+    }
+    sobel_pixel(above, here, below, 0, width, du_row, dv_row);
+    for (int x = 1; x < width - 1; x += 16) {
+      sobel_step(above, here, below, min(x, width - 17), du_row, dv_row);
+    }
+    sobel_pixel(above, here, below, width - 1, width, du_row, dv_row);
+  }
+}
+
+// The rows y-2 .. y+2 of du (repeated at the edge) as distances from row y.
+typedef struct {
+  __global const uchar *restrict du0;
+  __global const uchar *restrict du1;
+  __global const uchar *restrict du2;
+  __global const uchar *restrict du3;
+  __global const uchar *restrict du4;
+  __global const uchar *restrict dv1;
+  __global const uchar *restrict dv2;
+  __global const uchar *restrict dv3;
+} Rows;
+
+static inline uchar16 descriptor_pixel(const Rows rows, int x, int width) {
+  const int ll = max(x - 2, 0);
+  const int l = max(x - 1, 0);
+  const int r = min(x + 1, width - 1);
+  const int rr = min(x + 2, width - 1);
+  return (uchar16)(rows.du0[l], rows.du0[r], rows.du1[ll], rows.du1[x], rows.du1[rr], rows.du2[l],
+                   rows.du2[r], rows.du3[ll], rows.du3[x], rows.du3[rr], rows.du4[l], rows.du4[r],
+                   rows.dv1[x], rows.dv2[l], rows.dv2[r], rows.dv3[x]);
+}
+
+#define LOW(a, b)                                                                                  \
+  (uchar16)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3, a.s4, b.s4, a.s5, b.s5, a.s6, b.s6,    \
+            a.s7, b.s7)
+#define HIGH(a, b)                                                                                 \
+  (uchar16)(a.s8, b.s8, a.s9, b.s9, a.sa, b.sa, a.sb, b.sb, a.sc, b.sc, a.sd, b.sd, a.se, b.se,    \
+            a.sf, b.sf)
+// One of four rounds that turn 16 samples of 16 pixels into 16 pixels of 16 samples.
+#define ROUND(t, s)                                                                                \
+  const uchar16 t##0 = LOW(s##0, s##8), t##1 = HIGH(s##0, s##8), t##2 = LOW(s##1, s##9),           \
+                t##3 = HIGH(s##1, s##9), t##4 = LOW(s##2, s##10), t##5 = HIGH(s##2, s##10),        \
+                t##6 = LOW(s##3, s##11), t##7 = HIGH(s##3, s##11), t##8 = LOW(s##4, s##12),        \
+                t##9 = HIGH(s##4, s##12), t##10 = LOW(s##5, s##13), t##11 = HIGH(s##5, s##13),     \
+                t##12 = LOW(s##6, s##14), t##13 = HIGH(s##6, s##14), t##14 = LOW(s##7, s##15),     \
+                t##15 = HIGH(s##7, s##15)
+#define STORE(k) vstore16(e##k, k, out)
+
+static inline void descriptor_step(const Rows rows, int x, __global uchar *out) {
+  const uchar16 a0 = vload16(0, rows.du0 + x - 1), a1 = vload16(0, rows.du0 + x + 1),
+                a2 = vload16(0, rows.du1 + x - 2), a3 = vload16(0, rows.du1 + x),
+                a4 = vload16(0, rows.du1 + x + 2), a5 = vload16(0, rows.du2 + x - 1),
+                a6 = vload16(0, rows.du2 + x + 1), a7 = vload16(0, rows.du3 + x - 2),
+                a8 = vload16(0, rows.du3 + x), a9 = vload16(0, rows.du3 + x + 2),
+                a10 = vload16(0, rows.du4 + x - 1), a11 = vload16(0, rows.du4 + x + 1),
+                a12 = vload16(0, rows.dv1 + x), a13 = vload16(0, rows.dv2 + x - 1),
+                a14 = vload16(0, rows.dv2 + x + 1), a15 = vload16(0, rows.dv3 + x);
+  ROUND(b, a);
+  ROUND(c, b);
+  ROUND(d, c);
+  ROUND(e, d);
+  STORE(0); STORE(1); STORE(2); STORE(3); STORE(4); STORE(5); STORE(6); STORE(7);
+  STORE(8); STORE(9); STORE(10); STORE(11); STORE(12); STORE(13); STORE(14); STORE(15);
+}
+
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void descriptor(
+    __global const uchar *restrict du, __global const uchar *restrict dv,
+    __global uchar *restrict descriptors, int width, int height) {
+  const int begin = (int)get_global_id(0) * BAND;
+  for (int y = begin; y < min(begin + BAND, height); ++y) {
+    const size_t y0 = (size_t)max(y - 2, 0) * (size_t)width;
+    const size_t y1 = (size_t)max(y - 1, 0) * (size_t)width;
+    const size_t y2 = (size_t)y * (size_t)width;
+    const size_t y3 = (size_t)min(y + 1, height - 1) * (size_t)width;
+    const size_t y4 = (size_t)min(y + 2, height - 1) * (size_t)width;
+    const Rows rows = {du + y0, du + y1, du + y2, du + y3, du + y4, dv + y1, dv + y2, dv + y3};
+    __global uchar *out = descriptors + y2 * 16;
+    if (width < 20) {
+      for (int x = 0; x < width; ++x) vstore16(descriptor_pixel(rows, x, width), (size_t)x, out);
+      continue;
+    }
+    for (int x = 2; x < width - 2; x += 16) {
+      const int start = min(x, width - 18);
+      descriptor_step(rows, start, out + start * 16);
+    }
+    vstore16(descriptor_pixel(rows, 0, width), 0, out);
+    vstore16(descriptor_pixel(rows, 1, width), 1, out);
+    vstore16(descriptor_pixel(rows, width - 2, width), (size_t)(width - 2), out);
+    vstore16(descriptor_pixel(rows, width - 1, width), (size_t)(width - 1), out);
+  }
+}

@@ -1,0 +1,92 @@
+// Sobel gradients and descriptors, FPGA variant.
+// Assumes: pictures without row padding, at most FPGA_WIDTH wide. One work-item streams the picture
+// once: line buffers hold the rows above, a window of registers moves along the row, one pixel
+// enters and one leaves per clock (II = 1). Rows and columns behind the last one repeat it.
+#include "common/fpga.clh"
+#include "depth/constants.clh"
+
+static inline uchar squeeze(int response) { return (uchar)clamp(128 + (response >> 2), 0, 255); }
+
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void sobel(
+    __global const uchar *restrict image, __global uchar *restrict du, __global uchar *restrict dv,
+    int width, int height) {
+  uchar line[2][FPGA_WIDTH] PARTITION_COMPLETE(1);
+  for (int r = 0; r <= height; ++r) {
+    __global const uchar *incoming = image + (size_t)min(r, height - 1) * (size_t)width;
+    int3 left = (int3)(0);
+    int3 middle = (int3)(0);
+    int3 right = (int3)(0);
+    PIPELINE(1)
+    for (int c = 0; c <= width; ++c) {
+      left = middle;
+      middle = right;
+      if (c < width) {
+        const uchar below = incoming[c];
+        const uchar here = r == 0 ? below : line[1][c];
+        right = (int3)(r == 0 ? below : line[0][c], here, below);
+        line[0][c] = here;
+        line[1][c] = below;
+      }
+      if (c == 0) middle = right;
+      if (r > 0 && c > 0) {
+        const size_t i = (size_t)(r - 1) * (size_t)width + (size_t)(c - 1);
+        du[i] = squeeze(right.x + 2 * right.y + right.z - left.x - 2 * left.y - left.z);
+        dv[i] = squeeze(left.z + 2 * middle.z + right.z - left.x - 2 * middle.x - right.x);
+      }
+    }
+  }
+}
+
+// A column of the window: rows y-2 .. y+2 of du, and of dv the three in the middle.
+typedef struct {
+  uchar u0, u1, u2, u3, u4;
+  uchar v1, v2, v3;
+} Column;
+
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void descriptor(
+    __global const uchar *restrict du, __global const uchar *restrict dv,
+    __global uchar *restrict descriptors, int width, int height) {
+  uchar u_line[4][FPGA_WIDTH] PARTITION_COMPLETE(1);
+  uchar v_line[4][FPGA_WIDTH] PARTITION_COMPLETE(1);
+  for (int r = 0; r < height + 2; ++r) {
+    const size_t row = (size_t)min(r, height - 1) * (size_t)width;
+    Column a = {0, 0, 0, 0, 0, 0, 0, 0};
+    Column b = a;
+    Column x = a;
+    Column c = a;
+    Column d = a;  // a, b, x, c, d: columns from left to right
+    PIPELINE(1)
+    for (int i = 0; i < width + 2; ++i) {
+      a = b;
+      b = x;
+      x = c;
+      c = d;
+      if (i < width) {
+        const uchar u = du[row + (size_t)i];
+        const uchar v = dv[row + (size_t)i];
+        const bool first = r == 0;
+        d.u0 = first ? u : u_line[0][i];
+        d.u1 = first ? u : u_line[1][i];
+        d.u2 = first ? u : u_line[2][i];
+        d.u3 = first ? u : u_line[3][i];
+        d.u4 = u;
+        d.v1 = first ? v : v_line[1][i];
+        d.v2 = first ? v : v_line[2][i];
+        d.v3 = first ? v : v_line[3][i];
+        u_line[0][i] = d.u1;
+        u_line[1][i] = d.u2;
+        u_line[2][i] = d.u3;
+        u_line[3][i] = u;
+        v_line[1][i] = d.v2;
+        v_line[2][i] = d.v3;
+        v_line[3][i] = v;
+      }
+      if (i == 0) x = c = d;
+      if (r > 1 && i > 1) {
+        const uchar16 samples = (uchar16)(b.u0, c.u0, a.u1, x.u1, d.u1, b.u2, c.u2, a.u3, x.u3,
+                                          d.u3, b.u4, c.u4, x.v1, b.v2, c.v2, x.v3);
+        vstore16(samples, (size_t)(r - 2) * (size_t)width + (size_t)(i - 2), descriptors);
+      }
+    }
+  }
+}
