@@ -1,0 +1,98 @@
+// Commands on images: the same as on buffers, in pixels.
+#include "devices/layer/calls.h"
+#include "devices/layer/commands.h"
+#include "devices/layer/memory.h"
+
+namespace partita::layer {
+
+std::uint64_t image_bytes(cl_mem image, const std::size_t* region) {
+  const auto memory = find_memory(image);
+  const std::uint64_t pixel = memory ? memory->element_bytes : 1;
+  return volume(region) * pixel;
+}
+
+namespace {
+
+cl_int CL_API_CALL read_image(cl_command_queue queue, cl_mem image, cl_bool blocking,
+                              const std::size_t* origin, const std::size_t* region, std::size_t row,
+                              std::size_t slice, void* host, cl_uint wait_count,
+                              const cl_event* waits, cl_event* event) {
+  return enqueue({queue, wait_count, waits, event, blocking != CL_FALSE},
+                 moved(timeline::CommandKind::read, image_bytes(image, region)), [&](cl_event* e) {
+                   return target().clEnqueueReadImage(queue, image, CL_FALSE, origin, region, row,
+                                                      slice, host, wait_count, waits, e);
+                 });
+}
+
+cl_int CL_API_CALL write_image(cl_command_queue queue, cl_mem image, cl_bool blocking,
+                               const std::size_t* origin, const std::size_t* region,
+                               std::size_t row, std::size_t slice, const void* host,
+                               cl_uint wait_count, const cl_event* waits, cl_event* event) {
+  return enqueue({queue, wait_count, waits, event, blocking != CL_FALSE},
+                 moved(timeline::CommandKind::write, image_bytes(image, region)), [&](cl_event* e) {
+                   return target().clEnqueueWriteImage(queue, image, CL_FALSE, origin, region, row,
+                                                       slice, host, wait_count, waits, e);
+                 });
+}
+
+cl_int CL_API_CALL copy_image(cl_command_queue queue, cl_mem from, cl_mem to,
+                              const std::size_t* from_origin, const std::size_t* to_origin,
+                              const std::size_t* region, cl_uint wait_count, const cl_event* waits,
+                              cl_event* event) {
+  return enqueue({queue, wait_count, waits, event, false},
+                 inside(queue, timeline::CommandKind::copy, image_bytes(from, region)),
+                 [&](cl_event* e) {
+                   return target().clEnqueueCopyImage(queue, from, to, from_origin, to_origin,
+                                                      region, wait_count, waits, e);
+                 });
+}
+
+cl_int CL_API_CALL copy_image_to_buffer(cl_command_queue queue, cl_mem from, cl_mem to,
+                                        const std::size_t* origin, const std::size_t* region,
+                                        std::size_t offset, cl_uint wait_count,
+                                        const cl_event* waits, cl_event* event) {
+  return enqueue({queue, wait_count, waits, event, false},
+                 inside(queue, timeline::CommandKind::copy, image_bytes(from, region)),
+                 [&](cl_event* e) {
+                   return target().clEnqueueCopyImageToBuffer(queue, from, to, origin, region,
+                                                              offset, wait_count, waits, e);
+                 });
+}
+
+cl_int CL_API_CALL copy_buffer_to_image(cl_command_queue queue, cl_mem from, cl_mem to,
+                                        std::size_t offset, const std::size_t* origin,
+                                        const std::size_t* region, cl_uint wait_count,
+                                        const cl_event* waits, cl_event* event) {
+  return enqueue({queue, wait_count, waits, event, false},
+                 inside(queue, timeline::CommandKind::copy, image_bytes(to, region)),
+                 [&](cl_event* e) {
+                   return target().clEnqueueCopyBufferToImage(queue, from, to, offset, origin,
+                                                              region, wait_count, waits, e);
+                 });
+}
+
+cl_int CL_API_CALL fill_image(cl_command_queue queue_handle, cl_mem image, const void* color,
+                              const std::size_t* origin, const std::size_t* region,
+                              cl_uint wait_count, const cl_event* waits, cl_event* event) {
+  const auto queue = find_queue(queue_handle);
+  if (queue && queue->device->is_fpga()) return CL_INVALID_OPERATION;
+  return enqueue({queue_handle, wait_count, waits, event, false},
+                 inside(queue_handle, timeline::CommandKind::fill, image_bytes(image, region)),
+                 [&](cl_event* e) {
+                   return target().clEnqueueFillImage(queue_handle, image, color, origin, region,
+                                                      wait_count, waits, e);
+                 });
+}
+
+}  // namespace
+
+void add_image_transfer_calls(cl_icd_dispatch& table) {
+  table.clEnqueueReadImage = read_image;
+  table.clEnqueueWriteImage = write_image;
+  table.clEnqueueCopyImage = copy_image;
+  table.clEnqueueCopyImageToBuffer = copy_image_to_buffer;
+  table.clEnqueueCopyBufferToImage = copy_buffer_to_image;
+  table.clEnqueueFillImage = fill_image;
+}
+
+}  // namespace partita::layer
