@@ -302,7 +302,7 @@ std::uint64_t Reader::bits(
     std::string_view key,
     const std::vector<std::pair<std::string_view, std::uint64_t>>& names) const {
   std::string expected = "a list of";
-  for (const auto& [name, bit] : names) expected += " " + std::string(name);
+  for (const auto& [name, bit] : names) expected.append(" ").append(name);
   const YAML::Node value = require(key, expected);
   if (!value.IsSequence()) fail(key, "is " + excerpt(value) + ", expected " + expected);
   std::uint64_t sum = 0;

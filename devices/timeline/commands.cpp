@@ -25,14 +25,14 @@ constexpr std::int32_t kFailedInWaitList = -14;  // CL_EXEC_STATUS_ERROR_FOR_EVE
 NodeId Timeline::Impl::new_node(CommandKind kind, QueueId queue) {
   NodeId id = 0;
   if (free_nodes.empty()) {
-    if (node_count == kNone) throw profile::Error("timeline: 2^32 commands, expected fewer");
-    if (node_count % kChunk == 0) chunks.push_back(std::make_unique<Node[]>(kChunk));
-    id = node_count++;
+    if (nodes.size() == kNone) throw profile::Error("timeline: 2^32 commands, expected fewer");
+    id = static_cast<NodeId>(nodes.size());
+    nodes.push_back({});
   } else {
     id = free_nodes.back();
     free_nodes.pop_back();
   }
-  Node& n = chunks[id / kChunk][id % kChunk];
+  Node& n = nodes[id];
   n = {};
   n.queue = queue;
   n.refs = 2;  // the caller's, and the timeline's own until it is resolved

@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "devices/timeline/chunked.h"
 #include "devices/timeline/placement.h"
 #include "devices/timeline/recorder.h"
 #include "devices/timeline/timeline.h"
@@ -111,8 +112,7 @@ class Timeline::Impl {
   std::vector<Thread> threads;
   std::vector<ThreadId> free_threads;
   std::vector<Queue> queues;
-  std::vector<std::unique_ptr<Node[]>> chunks;
-  std::uint32_t node_count = 0;
+  Chunked<Node> nodes;
   std::vector<NodeId> free_nodes;
   std::unordered_map<NodeId, Pending> pending;
   std::uint64_t orders = 0;
@@ -120,8 +120,6 @@ class Timeline::Impl {
   bool any_bound = false;
   Ns max_clock = 0;
   Ns horizon = 0;
-
-  static constexpr std::uint32_t kChunk = 4096;
 };
 
 }  // namespace partita::timeline

@@ -78,10 +78,11 @@ const std::vector<EngineId>& Placement::circuit(DeviceId device, NameId name,
   if (found == circuits.end()) found = circuits.insert(found, {name, {}});
   const LayoutDevice& d = layout_.devices[device];
   while (found->engines.size() < std::clamp(count, 1u, 64u)) {
-    const std::size_t n = found->engines.size();
+    std::string engine = d.name + "/" + text;
+    if (!found->engines.empty())
+      engine.append("#").append(std::to_string(found->engines.size() + 1));
     found->engines.push_back(
-        add_engine(d.name + "/" + text + (n == 0 ? "" : "#" + std::to_string(n + 1)),
-                   EngineKind::compute, d.node, device, kNone));
+        add_engine(std::move(engine), EngineKind::compute, d.node, device, kNone));
     busy_.back().close_before(devices_[device].loaded);
   }
   return found->engines;

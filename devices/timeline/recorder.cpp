@@ -25,7 +25,7 @@ bool same(const Work& a, const Work& b) {
 
 void Recorder::restart(NodeId first_node) {
   record_.threads.clear();
-  record_.commands.clear();
+  commands_.clear();
   record_.waits.clear();
   record_.works.clear();
   record_.complete = true;
@@ -72,7 +72,7 @@ std::uint32_t Recorder::pool(std::span<const NodeId> nodes, std::uint32_t& count
 
 void Recorder::command(NodeId id, std::uint32_t thread, RecordedCommand command,
                        std::span<const NodeId> waits, const Work* work) {
-  if (record_.commands.size() >= limit_ || id - first_ != record_.commands.size()) {
+  if (commands_.size() >= limit_ || id - first_ != commands_.size()) {
     open_ = record_.complete = false;
     return;
   }
@@ -80,7 +80,7 @@ void Recorder::command(NodeId id, std::uint32_t thread, RecordedCommand command,
   command.has_list = !waits.empty();
   command.first_wait = pool(waits, command.wait_count);
   if (work != nullptr) command.work = work_index(command.name, *work);
-  record_.commands.push_back(command);
+  commands_.push_back(command);
   action(thread, ActionType::command, index(id), 0);
 }
 
@@ -97,8 +97,15 @@ void Recorder::wait(std::uint32_t thread, std::span<const NodeId> nodes) {
 
 void Recorder::measured(NodeId id, std::uint64_t start, std::uint64_t end) {
   if (!has(id)) return;
-  record_.commands[index(id)].measured_start = start;
-  record_.commands[index(id)].measured_end = end;
+  commands_[index(id)].measured_start = start;
+  commands_[index(id)].measured_end = end;
+}
+
+Record Recorder::copy() const {
+  Record record = record_;
+  record.commands.reserve(commands_.size());
+  for (std::size_t i = 0; i < commands_.size(); ++i) record.commands.push_back(commands_[i]);
+  return record;
 }
 
 }  // namespace partita::timeline

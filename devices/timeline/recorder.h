@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "devices/timeline/chunked.h"
 #include "devices/timeline/record.h"
 
 namespace partita::timeline {
@@ -29,16 +30,17 @@ class Recorder {
   void measured(NodeId id, std::uint64_t start, std::uint64_t end);
 
   /// Whether the node is a command of this record, and which.
-  bool has(NodeId id) const { return id >= first_ && id - first_ < record_.commands.size(); }
+  bool has(NodeId id) const { return id >= first_ && id - first_ < commands_.size(); }
   std::uint32_t index(NodeId id) const { return id - first_; }
   NodeId first() const { return first_; }
-  const Record& record() const { return record_; }
+  Record copy() const;
 
  private:
   std::uint32_t work_index(NameId name, const Work& work);
   std::uint32_t pool(std::span<const NodeId> nodes, std::uint32_t& count);
 
-  Record record_;
+  Record record_;  ///< without its commands
+  Chunked<RecordedCommand> commands_;
   std::uint64_t limit_;
   NodeId first_ = 0;
   bool open_ = true;

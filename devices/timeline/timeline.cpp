@@ -51,10 +51,7 @@ Timeline::Impl::Queue& Timeline::Impl::queue(QueueId id) {
 }
 
 Timeline::Impl::Node& Timeline::Impl::node(NodeId id) {
-  if (id < node_count) {
-    Node& found = chunks[id / kChunk][id % kChunk];
-    if (found.state != State::free) return found;
-  }
+  if (id < nodes.size() && nodes[id].state != State::free) return nodes[id];
   throw no_such("command", id);
 }
 
@@ -95,7 +92,7 @@ std::uint32_t Timeline::Impl::recorded(Thread& t) {
 void Timeline::Impl::new_epoch() {
   ++epoch;
   placement.clear();
-  recorder.restart(node_count);
+  recorder.restart(static_cast<NodeId>(nodes.size()));
   free_nodes.clear();  // while recording, ids are dense
   for (Thread& t : threads) {
     t.clock = 0;
@@ -300,7 +297,7 @@ Record Timeline::snapshot() const {
   if (!impl_->options.record) {
     throw profile::Error("timeline: nothing was recorded, expected recording to be on");
   }
-  Record record = impl_->recorder.record();
+  Record record = impl_->recorder.copy();
   record.layout = impl_->layout;
   record.names.assign(impl_->names.begin(), impl_->names.end());
   const NodeId first = impl_->recorder.first();
