@@ -20,7 +20,9 @@ std::string variable(const char* name) {
   return value ? value : "";
 }
 
-/// PoCL makes as many compute units as this says, and each emulated device needs one of its own.
+/// PoCL makes as many compute units as this says: one for each emulated device is best. Too late if
+/// the loader has started PoCL already (ocl-icd sorts platforms by their devices); then devices
+/// share units.
 void ask_for_compute_units(std::size_t devices) {
   const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
   const std::string given = variable("POCL_MAX_PTHREAD_COUNT");
@@ -90,28 +92,42 @@ void find_real_device(State& s) {
   throw profile::Error("no PoCL CPU device to run on, expected the package pocl-opencl-icd");
 }
 
-/// Deals the compute units out evenly, one sub-device for each emulated device.
+/// Sub-devices of the given numbers of compute units.
+std::vector<cl_device_id> split(cl_device_id device, const std::vector<cl_uint>& shares) {
+  std::vector<cl_device_partition_property> properties{CL_DEVICE_PARTITION_BY_COUNTS};
+  properties.insert(properties.end(), shares.begin(), shares.end());
+  properties.insert(properties.end(), {CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0});
+  std::vector<cl_device_id> parts(shares.size());
+  const cl_int error = target_table.clCreateSubDevices(
+      device, properties.data(), static_cast<cl_uint>(parts.size()), parts.data(), nullptr);
+  if (error != CL_SUCCESS) {
+    throw profile::Error("PoCL's device cannot be split: error " + std::to_string(error));
+  }
+  return parts;
+}
+
+/// Deals the compute units out evenly, one sub-device for each emulated device. With fewer units
+/// than devices it splits the device several times over, and devices share units.
 void split_real_device(State& s) {
   cl_uint units = 0;
   target_table.clGetDeviceInfo(s.real_device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units,
                                nullptr);
   const auto count = static_cast<cl_uint>(s.devices.size());
-  if (units < count) {
-    throw profile::Error("PoCL shows " + std::to_string(units) + " compute units, expected " +
-                         std::to_string(count) + " for as many emulated devices");
+  if (units == 0) throw profile::Error("PoCL's device shows no compute unit");
+  for (cl_uint first = 0; first < count; first += std::min(units, count)) {
+    std::vector<cl_uint> shares;
+    for (cl_uint i = 0; i < std::min(units, count); ++i) {
+      shares.push_back(units >= count ? units / count + (i < units % count ? 1 : 0) : 1);
+    }
+    const std::vector<cl_device_id> parts = split(s.real_device, shares);
+    for (cl_uint i = 0; i < parts.size(); ++i) {
+      if (first + i < count) {
+        s.devices[first + i]->handle = parts[i];
+      } else {
+        target_table.clReleaseDevice(parts[i]);
+      }
+    }
   }
-  std::vector<cl_device_partition_property> shares{CL_DEVICE_PARTITION_BY_COUNTS};
-  for (cl_uint i = 0; i < count; ++i) {
-    shares.push_back(units / count + (i < units % count ? 1 : 0));
-  }
-  shares.insert(shares.end(), {CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0});
-  std::vector<cl_device_id> parts(count);
-  const cl_int error =
-      target_table.clCreateSubDevices(s.real_device, shares.data(), count, parts.data(), nullptr);
-  if (error != CL_SUCCESS) {
-    throw profile::Error("PoCL's device cannot be split: error " + std::to_string(error));
-  }
-  for (cl_uint i = 0; i < count; ++i) s.devices[i]->handle = parts[i];
 }
 
 void open_once(State& s) noexcept {
