@@ -104,12 +104,17 @@ std::string jpeg_defect(std::string_view b) {
   return kTruncated;
 }
 
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\n';
+}
+
 std::string pnm_defect(std::string_view b) {
   std::array<std::uint32_t, 3> header{};  // width, height, largest value
   std::size_t at = 2;
   for (std::uint32_t& value : header) {
-    while (at < b.size() && (std::string_view(" \t\r\n#").find(b[at]) != std::string_view::npos)) {
-      at = b[at] == '#' ? std::min(b.find('\n', at), b.size()) : at + 1;
+    if (at < b.size() && !is_blank(b[at])) return "damaged (header)";
+    while (at < b.size() && (is_blank(b[at]) || b[at] == '#')) {
+      at = b[at] == '#' ? std::min(b.find_first_of("\r\n", at), b.size()) : at + 1;
     }
     const std::size_t first = at;
     for (; at < b.size() && b[at] >= '0' && b[at] <= '9'; ++at) {
@@ -117,7 +122,7 @@ std::string pnm_defect(std::string_view b) {
       if (value > 65535) return kBadSize;
     }
     if (at == b.size()) return kTruncated;
-    if (at == first) return "damaged (header)";
+    if (at == first || !is_blank(b[at])) return "damaged (header)";
   }
   if (!possible_size(header[0], header[1])) return kBadSize;
   if (header[2] == 0) return "damaged (header)";

@@ -18,6 +18,7 @@
 #include <fmt/format.h>
 
 #include "host/io/image.h"
+#include "host/io/output_folder.h"
 #include "host/io/text.h"
 #include "host/io/trajectory.h"
 #include "host/runtime/error.h"
@@ -58,6 +59,12 @@ std::vector<std::string> picture_names(const fs::path& folder) {
 const Layout& find_layout(const fs::path& folder) {
   if (!fs::is_directory(folder)) {
     throw Error(fmt::format("data set '{}': no such folder", folder.string()));
+  }
+  if (io::is_partial(folder.string())) {
+    throw Error(
+        fmt::format("data set '{}': incomplete, its writing was interrupted (it holds the "
+                    "mark PARTIAL)",
+                    folder.string()));
   }
   for (const Layout& layout : kLayouts) {
     if (!fs::is_directory(folder / layout.left)) continue;

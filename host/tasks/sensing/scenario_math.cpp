@@ -14,7 +14,9 @@ double sine(double x) {
   const double turns = std::floor(x / kPi + 0.5);  // x = turns * pi + r, |r| <= pi/2
   const double r = x - turns * kPi;
   const double s = r * r;
-  double sum = -1.0 / 1307674368000.0;  // Taylor's series up to r^15, by Horner
+  double sum = -1.0 / 121645100408832000.0;  // Taylor's series up to r^19, by Horner
+  sum = sum * s + 1.0 / 355687428096000.0;
+  sum = sum * s - 1.0 / 1307674368000.0;
   sum = sum * s + 1.0 / 6227020800.0;
   sum = sum * s - 1.0 / 39916800.0;
   sum = sum * s + 1.0 / 362880.0;

@@ -49,7 +49,7 @@ inline Vec3 rotate_back(const Rotation& R, Vec3 v) {
   return {dot(R.x, v), dot(R.y, v), dot(R.z, v)};
 }
 
-/// Sine and cosine to about 1e-12, for |x| < 1e6.
+/// Sine and cosine to about 1e-15 * (1 + |x|), for |x| < 1e6.
 double sine(double x);
 double cosine(double x);
 

@@ -47,7 +47,7 @@ void add_disc(Builder& builder, const Place& place, double r, double u, double f
 }  // namespace
 
 void add_car(Builder& builder, const Place& place, const TextureSet& t, std::uint64_t seed) {
-  const float colour = between(seed, 11, 0.3, 1.45);
+  const float colour = between(seed, 11, 0.4, 1.7);
   const bool estate = uniform(seed, 12) < 0.5;
   const double half = between(seed, 13, 1.95, 2.2);
   const Paint side{&t.car_side, colour, 128, 0};
@@ -178,14 +178,11 @@ void add_house(Builder& builder, const Place& place, const TextureSet& t, std::u
 
   // A gable roof whose ridge runs along the street.
   const double ridge_height = height + between(seed, 56, 1.8, 2.8);
-  const double eave = side * -0.35;
   const Vec3 inside = place.at(0.5 * depth, height, 0);
-  for (const bool far : {false, true}) {
-    const double r = far ? depth - eave : eave;
-    const std::array<Vec3, 4> slope = {place.at(r, height - 0.12, -half - 0.2),
-                                       place.at(r, height - 0.12, half + 0.2),
-                                       place.at(0.5 * depth, ridge_height, half + 0.2),
-                                       place.at(0.5 * depth, ridge_height, -half - 0.2)};
+  for (const double r : {0.0, depth}) {
+    const std::array<Vec3, 4> slope = {place.at(r, height, -half), place.at(r, height, half),
+                                       place.at(0.5 * depth, ridge_height, half),
+                                       place.at(0.5 * depth, ridge_height, -half)};
     builder.face(slope, inside, roof);
   }
   for (const double f : {-half, half}) {

@@ -47,7 +47,7 @@ std::vector<Point> convex_hull(std::vector<Point> points) {
 float light_on(Vec3 normal) {
   const Vec3 to_sun = unit(Vec3{-kSunX, -1.0, -kSunZ});
   const double direct = std::max(0.0, dot(normal, to_sun));
-  return static_cast<float>(0.6 + 0.4 * direct / -to_sun.y);
+  return static_cast<float>(0.7 + 0.3 * direct / -to_sun.y);
 }
 
 void Builder::face(std::span<const Vec3> polygon, Vec3 inside, const Paint& paint, Vec3 origin,

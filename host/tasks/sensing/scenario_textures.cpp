@@ -106,14 +106,14 @@ float tone(std::uint64_t seed, int a, int b) {  // -1 .. 1
 }
 
 Texture road_texture(std::uint64_t seed) {
-  const Noise noise(1024, 1024, hash(seed, 1), 8, 13.0F, 1.0F);
+  const Noise noise(1024, 1024, hash(seed, 1), 7, 6.0F, 1.22F);
   const auto paint = [&](int x, int y) {
     const float across = (static_cast<float>(x) - 511.5F) * 0.02F;
     const float from_centre = across < 0 ? -across : across;
     const float grain = noise.at(x, y);
-    if (from_centre < 0.075F) return (y % 512) < 200 ? 215.0F + 0.5F * grain : 92.0F + grain;
+    if (from_centre < 0.075F) return (y % 512) < 200 ? 215.0F + 0.5F * grain : 104.0F + grain;
     if (from_centre > 3.15F && from_centre < 3.25F) {
-      return (y % 256) < 60 ? 195.0F + 0.5F * grain : 92.0F + grain;
+      return (y % 256) < 60 ? 195.0F + 0.5F * grain : 104.0F + grain;
     }
     if (from_centre < 5.0F) {
       const int manhole_x = x - (across < 0 ? 440 : 612);
@@ -125,7 +125,7 @@ Texture road_texture(std::uint64_t seed) {
       const bool patch = across > 0
                              ? (y > 560 && y < 690 && from_centre > 2.0F)
                              : (y > 90 && y < 330 && from_centre > 1.4F && from_centre < 2.6F);
-      return (patch ? 68.0F : 92.0F) + grain;
+      return (patch ? 78.0F : 104.0F) + grain;
     }
     if (from_centre < 5.3F) return 66.0F + grain;                                 // gutter
     if (from_centre < 5.5F) return (y % 50) < 2 ? 90.0F : 160.0F + 0.6F * grain;  // kerb stones
@@ -179,7 +179,7 @@ float opening(int style, std::uint64_t seed, int x, int y) {
 }
 
 Texture facade_texture(std::uint64_t seed, int style) {
-  const Noise noise(512, 512, hash(seed, 2, key(style)), 7, 9.0F, 1.0F);
+  const Noise noise(512, 512, hash(seed, 2, key(style)), 6, 4.5F, 1.2F);
   const std::uint64_t own = hash(seed, 3, key(style));
   return painted(9, 9, 40.0, [&](int x, int y) {
     const float grain = noise.at(x, y);
@@ -251,9 +251,9 @@ TextureSet::TextureSet(std::uint64_t seed)
                      const float tile = 12.0F * tone(seed, (x + (row % 2) * 4) / 8, row);
                      return (y % 8 == 0 ? 62.0F : 104.0F + tile) + noise.at(x, y);
                    })),
-      leaves(rough(hash(seed, 203), 92.0F, 24.0F, 1.05F)),
-      bark(rough(hash(seed, 204), 84.0F, 16.0F, 1.1F)),
-      cloth(rough(hash(seed, 205), 120.0F, 13.0F, 1.0F)),
+      leaves(rough(hash(seed, 203), 96.0F, 16.0F, 1.25F)),
+      bark(rough(hash(seed, 204), 88.0F, 9.0F, 1.3F)),
+      cloth(rough(hash(seed, 205), 124.0F, 7.0F, 1.1F)),
       skin(rough(hash(seed, 206), 172.0F, 8.0F, 1.0F)),
       car_side(car_side_texture(hash(seed, 207))),
       car_front(car_front_texture(hash(seed, 208))),

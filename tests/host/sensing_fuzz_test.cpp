@@ -1,0 +1,151 @@
+// The readers of text and pictures get thousands of damaged inputs: each must end in a value or in
+// an Error of one line. Meant for the address sanitizer's build, and run in every other one too.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "host/io/file.h"
+#include "host/io/image.h"
+#include "host/io/image_check.h"
+#include "host/io/trajectory.h"
+#include "host/tasks/sensing/frame.h"
+#include "host/tasks/sensing/kitti_calibration.h"
+#include "host/tasks/sensing/sensor_files.h"
+#include "tests/host/io_temp_folder.h"
+
+namespace partita::sensing {
+namespace {
+
+using testing::TempFolder;
+
+std::string mutated(std::string text, std::mt19937& random) {
+  static const std::vector<std::string> kWords = {"nan",
+                                                  "-",
+                                                  "1e999",
+                                                  "e",
+                                                  "\n",
+                                                  " ",
+                                                  "",
+                                                  ":",
+                                                  "#",
+                                                  "P1:",
+                                                  "9999999999999999999",
+                                                  "0x1p3",
+                                                  "\xff\xfe",
+                                                  std::string(1, '\0'),
+                                                  "-inf",
+                                                  ",",
+                                                  "1e-320"};
+  const auto pick = [&random](std::size_t size) { return random() % size; };
+  for (std::size_t edits = 1 + pick(4); edits > 0; --edits) {
+    const std::size_t at = pick(text.size() + 1);
+    switch (pick(4)) {
+      case 0:
+        text.insert(at, kWords[pick(kWords.size())]);
+        break;
+      case 1:
+        text.erase(at, pick(12));
+        break;
+      case 2:
+        if (at < text.size()) text[at] = static_cast<char>(pick(256));
+        break;
+      default:
+        text.resize(pick(4) == 0 ? at : text.size());
+    }
+  }
+  return text;
+}
+
+/// How many of the mutations were refused.
+template <class Read>
+int fuzz(const std::string& valid, int rounds, Read read) {
+  std::mt19937 random(12345);
+  int refused = 0;
+  for (int i = 0; i < rounds; ++i) {
+    const std::string text = mutated(valid, random);
+    try {
+      read(text);
+    } catch (const Error& e) {
+      ++refused;
+      EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
+    }
+  }
+  return refused;
+}
+
+TEST(Fuzz, TextReaders) {
+  const TempFolder folder;
+  const std::string path = folder.file("input.txt");
+  const auto with = [&path](auto read) {
+    return [&path, read](const std::string& text) {
+      io::write_file(path, text);
+      read(path);
+    };
+  };
+  constexpr int kRounds = 3000;
+  const std::string row = "7.07e+02 0.0e+00 6.01e+02 0.0 0 7.07e+02 1.8e+02 0 0 0 1 0\n";
+  const std::string right = "7.07e+02 0.0e+00 6.01e+02 -379.8 0 7.07e+02 1.8e+02 0 0 0 1 0\n";
+  const auto calibration = with([](const std::string& p) { read_kitti_calibration(p, 0); });
+  EXPECT_GT(fuzz(row + right, kRounds, calibration), kRounds / 4);
+  EXPECT_GT(fuzz("P0: " + row + "P1: " + right, kRounds, calibration), kRounds / 4);
+  const std::string poses = "1 0 0 0.5 0 1 0 0.5 0 0 1 12.25\n1 0 0 0.5 0 1 0 0.5 0 0 1 13.25\n";
+  EXPECT_GT(fuzz(poses, kRounds, with([](const auto& p) { io::read_kitti_trajectory(p); })),
+            kRounds / 4);
+  EXPECT_GT(fuzz("0.1 1 2 3 0 0 0 1\n0.2 1 2 3 0 0.6 0.8 0\n", kRounds,
+                 with([](const auto& p) { io::read_tum_trajectory(p); })),
+            kRounds / 4);
+  EXPECT_GT(fuzz("#h\n0,1,2,3,4,5,6\n5000000,1,2,3,4,5,6\n", kRounds,
+                 with([](const auto& p) { read_imu(p); })),
+            kRounds / 4);
+  EXPECT_GT(
+      fuzz("#h\n0,1,2,3,4\n5000000,1,2,3,4\n", kRounds, with([](const auto& p) { read_gps(p); })),
+      kRounds / 4);
+}
+
+TEST(Fuzz, TimesThroughTheLoader) {
+  const TempFolder folder;
+  ScenarioOptions options;
+  options.width = 64;
+  options.height = 64;
+  for (int i = 0; i < 3; ++i) {
+    for (const char* side : {"image_0", "image_1"}) {
+      const std::string name = std::string(side) + "/" + std::to_string(i) + ".png";
+      folder.write(name, "");
+      io::write_gray(folder.file(name), GrayImage(64, 64));
+    }
+  }
+  folder.write("calib.txt", "70 0 30 0 0 70 30 0 0 0 1 0\n70 0 30 -35 0 70 30 0 0 0 1 0\n");
+  const int refused =
+      fuzz("0.000000e+00\n1.037359e-01\n2.074329e-01\n", 500, [&](const auto& text) {
+        io::write_file(folder.file("times.txt"), text);
+        open_kitti(folder.path());
+      });
+  EXPECT_GT(refused, 100);
+}
+
+/// Nor does a decoder print anything of its own.
+TEST(Fuzz, Pictures) {
+  const TempFolder folder;
+  ::testing::internal::CaptureStderr();
+  GrayImage image(24, 16);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    image.pixels[i] = static_cast<std::uint8_t>(i * 37);
+  }
+  io::write_gray(folder.file("a.png"), image);
+  const std::string png = io::read_file(folder.file("a.png"));
+  EXPECT_GT(fuzz(png, 2000,
+                 [&](const std::string& bytes) {
+                   io::write_file(folder.file("b.png"), bytes);
+                   io::read_gray(folder.file("b.png"));
+                 }),
+            1700);
+  const std::string pgm = "P5\n# a comment\n8 4\n255\n" + std::string(32, 'x');
+  fuzz(pgm, 2000, [&](const std::string& bytes) {
+    io::write_file(folder.file("b.pgm"), bytes);
+    io::read_gray(folder.file("b.pgm"));
+  });
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
+}  // namespace
+}  // namespace partita::sensing
