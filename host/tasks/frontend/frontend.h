@@ -34,7 +34,8 @@ struct FrontendParameters {
   /// Smallest refined disparity from which a point's depth is used, 0.25..16.
   double min_disparity = 1.5;
   /// Half size of the search window around the predicted position in the next frame, 4..256; the
-  /// wide one serves while no motion is known and when the small one gave too few matches.
+  /// wide one (search_window..256) serves while no motion is known and when the small one gave too few
+  /// inliers.
   int search_window = 24;
   int wide_search_window = 96;
   /// Largest Hamming distance of a match, of 256 bits, 0..256.
@@ -60,13 +61,14 @@ struct Feature {
   float y = 0;
   float disparity = 0;  ///< pixels; 0: no stereo match
   int level = 0;        ///< pyramid level, 0 or 1
-  int previous = -1;    ///< index in the previous frame's features, -1: not matched
+  int previous = -1;    ///< index in the features of frame `reference`, -1: not matched
   bool inlier = false;  ///< its temporal match agrees with the motion
 };
 
 struct FrontendResult {
   std::int64_t frame = 0;
   Pose T_world_cam = Pose::Identity();  ///< left camera; the world is the first frame's camera
+  std::int64_t reference = -1;  ///< frame that the matches lead to, -1: none
   bool first = false;    ///< no previous frame: the pose is the origin's
   bool tracked = false;  ///< the pose comes from matches; if neither this nor `first`: too few, and
                          ///< the last motion was applied once more
@@ -90,8 +92,10 @@ class Frontend {
   Frontend(const Frontend&) = delete;
   Frontend& operator=(const Frontend&) = delete;
 
-  /// The next stereo pair. Frames count upwards; a gap is bridged by searching the wide window.
-  /// Throws Error if an image's size is not the calibration's. The images are needed only during
+  /// The next stereo pair. Frames count upwards; over a gap the motion goes on at the last velocity
+  /// and the wide window is searched. A frame with too few features (a black image) is passed over:
+  /// the next one is matched with the frame before. Throws Error if an image's size is not the
+  /// calibration's or the frame is not later than the last one. The images are needed only during
   /// the call.
   FrontendResult process(const GrayImage& left, const GrayImage& right, std::int64_t frame);
 
