@@ -27,8 +27,8 @@ namespace {
 
 /// The triangles of the polygon whose corners lie on one circle, in order around it.
 void fan(std::span<const std::uint32_t> corners, std::vector<Triangle>& triangles) {
-  const auto first = static_cast<std::size_t>(
-      std::min_element(corners.begin(), corners.end()) - corners.begin());
+  const auto first =
+      static_cast<std::size_t>(std::min_element(corners.begin(), corners.end()) - corners.begin());
   for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
     Triangle triangle{corners[first], corners[(first + k) % corners.size()],
                       corners[(first + k + 1) % corners.size()]};

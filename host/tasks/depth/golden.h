@@ -63,7 +63,8 @@ void golden_support_redundant(Size grid_size, bool vertical, int reach, int thre
 void golden_support_list(Size grid_size, int step, std::span<const std::int16_t> grid,
                          std::span<std::int16_t> list, std::span<std::uint32_t> count);
 
-/// For each cell the ascending disparities d-1, d, d+1 of the support points in it. Lists have max_disparity + 1 places. In the right view a point sits at u - d.
+/// For each cell the ascending disparities d-1, d, d+1 of the support points in it. Lists have
+/// max_disparity + 1 places. In the right view a point sits at u - d.
 void golden_grid_prior(Size size, Size grid_size, std::span<const std::int16_t> grid, int step,
                        int max_disparity, bool right, std::span<std::uint16_t> counts,
                        std::span<std::uint8_t> lists);

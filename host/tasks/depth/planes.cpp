@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdlib>
 
+#include "host/tasks/depth/geometry.h"
+
 namespace partita::depth {
 namespace {
 
@@ -69,6 +71,7 @@ Mesh make_mesh(std::span<const SupportPoint> points, bool right) {
     const auto plane = plane_through(c[0], c[1], c[2], twice_area);
     mesh.planes.insert(mesh.planes.end(), plane.begin(), plane.end());
     mesh.spans += c[2].v - c[0].v;
+    mesh.overlaps += (c[2].v - 1) / kBand - c[0].v / kBand + 1;
     mesh.covered += std::abs(twice_area);
     ++mesh.triangles;
   }

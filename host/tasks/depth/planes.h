@@ -24,8 +24,9 @@ struct Mesh {
   std::vector<std::int16_t> corners;
   std::vector<std::int32_t> planes;
   int triangles = 0;
-  std::int64_t spans = 0;    ///< Σ of the triangles' heights: rows of pixels to fill
-  std::int64_t covered = 0;  ///< the triangles' area, px
+  std::int64_t spans = 0;     ///< Σ of the triangles' heights: rows of pixels to fill
+  std::int64_t covered = 0;   ///< the triangles' area, px
+  std::int64_t overlaps = 0;  ///< Σ of the bands of kBand rows that each triangle touches
 };
 
 /// A support point: column and row of the left view, disparity.

@@ -1,0 +1,358 @@
+#include "host/tasks/depth/depth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "host/runtime/error.h"
+#include "host/runtime/host_step.h"
+#include "host/runtime/kernel.h"
+#include "host/tasks/depth/geometry.h"
+#include "host/tasks/depth/kernels.h"
+#include "host/tasks/depth/planes.h"
+#include "host/tasks/depth/synthetic.h"
+
+namespace partita::depth {
+namespace {
+
+using runtime::Kernel;
+using runtime::Session;
+using runtime::Shape;
+
+template <typename T>
+void check(const char* name, T value, T least, T most) {
+  if (value >= least && value <= most) return;  // false for NaN as well
+  throw Error(fmt::format("depth: {} is {}, expected {} to {}", name, value, least, most));
+}
+
+void check_parameters(const DepthParameters& p) {
+  check("max_disparity", p.max_disparity, 15, kLargestDisparity);
+  check("candidate_step", p.candidate_step, 5, 32);
+  check("support_threshold", p.support_threshold, 0.01, 1.0);
+  check("support_texture", p.support_texture, 0, 2048);
+  check("lr_threshold", p.lr_threshold, 0, 255);
+  check("incon_window", p.incon_window, 1, kLargestWindow);
+  check("incon_threshold", p.incon_threshold, 0, 255);
+  check("incon_min_support", p.incon_min_support, 1, 1000);
+  check("redun_max_distance", p.redun_max_distance, 1, 16);
+  check("redun_threshold", p.redun_threshold, 0, 255);
+  check("beta", p.beta, 0.001, 1.0);
+  check("gamma", p.gamma, 0.01, 100.0);
+  check("sigma", p.sigma, 0.1, 10.0);
+  check("match_texture", p.match_texture, 0, 2048);
+}
+
+void check_size(const Session& session, Size size, const DepthParameters& p) {
+  if (size.width < kSmallestWidth || size.height < kSmallestHeight) {
+    throw Error(fmt::format("depth: pictures of {} x {}, expected at least {} x {}", size.width,
+                            size.height, kSmallestWidth, kSmallestHeight));
+  }
+  constexpr int kLargest = INT16_MAX;
+  if (size.width > kLargest || size.height > kLargest) {
+    throw Error(fmt::format("depth: pictures of {} x {}, expected at most {} x {}", size.width,
+                            size.height, kLargest, kLargest));
+  }
+  const bool fpga = session.charged() == runtime::Variant::fpga;
+  if (fpga && size.width > kFpgaWidth) {
+    throw Error(fmt::format("depth: pictures {} wide, the FPGA's row buffers hold {}", size.width,
+                            kFpgaWidth));
+  }
+  if (p.max_disparity >= size.width) {
+    throw Error(fmt::format("depth: max_disparity is {}, expected less than the width, {}",
+                            p.max_disparity, size.width));
+  }
+}
+
+/// What Session has no call for, with its kind of error.
+template <typename Call>
+void on_queue(const Session& session, const char* what, const Call& call) {
+  try {
+    call(session.queue());
+  } catch (const cl::Error& error) {
+    throw DeviceError(fmt::format("{}: {} failed ({})", session.device().name, what,
+                                  runtime::error_name(error.err())));
+  }
+}
+
+template <typename T>
+std::span<const std::byte> bytes_of(const std::vector<T>& values) {
+  return std::as_bytes(std::span<const T>(values));
+}
+
+/// What one view needs on the device and, while it is being copied, on the host.
+struct View {
+  cl::Buffer picture;
+  cl::Buffer descriptors;
+  cl::Buffer counts;
+  cl::Buffer lists;
+  cl::Buffer corners;
+  cl::Buffer planes;
+  cl::Buffer map;
+  cl::Buffer disparities;
+  Mesh mesh;
+  std::vector<std::uint16_t> host_counts;
+};
+
+}  // namespace
+
+double DisparityMap::density() const {
+  if (values.empty()) return 0;
+  const auto none = std::count(values.begin(), values.end(), std::uint16_t{0});
+  return 1.0 - static_cast<double>(none) / static_cast<double>(values.size());
+}
+
+struct Depth::Impl {
+  Impl(const Session& s, Size picture, const DepthParameters& p);
+
+  DisparityMap process(const sensing::GrayImage& left, const sensing::GrayImage& right,
+                       std::int64_t frame);
+  void describe(View& view, const sensing::GrayImage& image);
+  void find_support();
+  void list_support();
+  void seen_disparities(View& view, bool is_right);
+  bool triangulate(View& view, bool is_right);
+  void match(View& view, const View& other, bool is_right);
+
+  const Session* session;
+  Size size;
+  Size grid;
+  Size cells;
+  DepthParameters parameters;
+  Kernel sobel;
+  Kernel descriptor;
+  Kernel support_match;
+  Kernel support_plausible;
+  Kernel support_redundant;
+  Kernel support_list;
+  Kernel grid_prior;
+  Kernel plane_prior;
+  Kernel dense_match;
+  Kernel consistency;
+  cl::Buffer du;
+  cl::Buffer dv;
+  cl::Buffer grid_matched;
+  cl::Buffer grid_plausible;
+  cl::Buffer grid_thinned;
+  cl::Buffer list;
+  cl::Buffer count;
+  cl::Buffer prior;
+  cl::Buffer out;
+  View left_view;
+  View right_view;
+  std::vector<SupportPoint> support;
+};
+
+Depth::Impl::Impl(const Session& s, Size picture, const DepthParameters& p)
+    : session(&s),
+      size(picture),
+      grid(grid_size(picture, p.candidate_step)),
+      cells(cell_size(picture)),
+      parameters(p),
+      sobel(s, sobel_spec()),
+      descriptor(s, descriptor_spec()),
+      support_match(s, support_match_spec()),
+      support_plausible(s, support_plausible_spec()),
+      support_redundant(s, support_redundant_spec()),
+      support_list(s, support_list_spec()),
+      grid_prior(s, grid_prior_spec()),
+      plane_prior(s, plane_prior_spec()),
+      dense_match(s, dense_match_spec()),
+      consistency(s, consistency_spec()) {
+  const std::size_t pixels = area(size);
+  const std::size_t points = area(grid);
+  du = s.make_buffer(pixels);
+  dv = s.make_buffer(pixels);
+  grid_matched = s.make_buffer(points * sizeof(std::int16_t));
+  grid_plausible = s.make_buffer(points * sizeof(std::int16_t));
+  grid_thinned = s.make_buffer(points * sizeof(std::int16_t));
+  list = s.make_buffer(points * sizeof(SupportPoint));
+  count = s.make_buffer(sizeof(std::uint32_t));
+  prior = s.make_buffer(kPriorEntries * sizeof(std::uint16_t), CL_MEM_READ_ONLY);
+  out = s.make_buffer(pixels * sizeof(std::uint16_t));
+  for (View* view : {&left_view, &right_view}) {
+    view->picture = s.make_buffer(pixels, CL_MEM_READ_ONLY);
+    view->descriptors = s.make_buffer(pixels * kDescriptorBytes);
+    view->counts = s.make_buffer(area(cells) * sizeof(std::uint16_t));
+    view->lists = s.make_buffer(area(cells) * static_cast<std::size_t>(p.max_disparity + 1));
+    // A triangulation of n points has fewer than 2 n triangles.
+    view->corners = s.make_buffer(2 * points * kCornerEntries * sizeof(std::int16_t));
+    view->planes = s.make_buffer(2 * points * kPlaneEntries * sizeof(std::int32_t));
+    view->map = s.make_buffer(pixels * sizeof(std::int16_t));
+    view->disparities = s.make_buffer(pixels * sizeof(std::int16_t));
+    view->host_counts.resize(area(cells));
+  }
+  const auto energies = prior_energies(p.beta, p.gamma, p.sigma);
+  s.write(prior, std::as_bytes(std::span(energies)));
+  s.finish();
+}
+
+void Depth::Impl::describe(View& view, const sensing::GrayImage& image) {
+  const Shape shape{{"width", size.width}, {"height", size.height}};
+  session->write(view.picture, bytes_of(image.pixels));
+  sobel.launch(shape, view.picture, du, dv, size.width, size.height);
+  descriptor.launch(shape, du, dv, view.descriptors, size.width, size.height);
+}
+
+void Depth::Impl::find_support() {
+  const DepthParameters& p = parameters;
+  const int percent = static_cast<int>(std::lround(100 * p.support_threshold));
+  support_match.launch({{"width", size.width},
+                        {"height", size.height},
+                        {"max_disparity", p.max_disparity},
+                        {"step", p.candidate_step}},
+                       left_view.descriptors, right_view.descriptors, grid_matched, size.width,
+                       size.height, p.candidate_step, p.max_disparity, p.support_texture, percent,
+                       p.lr_threshold);
+  support_plausible.launch(
+      {{"columns", grid.width}, {"rows", grid.height}, {"window", p.incon_window}}, grid_matched,
+      grid_plausible, grid.width, grid.height, p.incon_window, p.incon_threshold,
+      p.incon_min_support);
+  on_queue(*session, "copying the support grid", [&](const cl::CommandQueue& queue) {
+    queue.enqueueCopyBuffer(grid_plausible, grid_thinned, 0, 0, area(grid) * sizeof(std::int16_t));
+  });
+  for (const int vertical : {1, 0}) {
+    support_redundant.launch({{"columns", grid.width},
+                              {"rows", grid.height},
+                              {"vertical", vertical},
+                              {"reach", p.redun_max_distance}},
+                             grid_thinned, grid.width, grid.height, vertical, p.redun_max_distance,
+                             p.redun_threshold);
+  }
+}
+
+void Depth::Impl::list_support() {
+  // How many points there are is not known yet: the Work states one in eight, which is typical.
+  const std::int64_t typical = static_cast<std::int64_t>(area(grid)) / 8;
+  support_list.launch({{"columns", grid.width}, {"rows", grid.height}, {"points", typical}},
+                      grid_thinned, list, count, grid.width, grid.height,
+                      parameters.candidate_step);
+  std::uint32_t points = 0;
+  session->read(count, std::as_writable_bytes(std::span(&points, 1)));
+  support.resize(points);
+  if (points > 0) session->read(list, std::as_writable_bytes(std::span(support)));
+}
+
+void Depth::Impl::seen_disparities(View& view, bool is_right) {
+  // Likewise: four disparities a cell.
+  const std::int64_t typical = 4 * static_cast<std::int64_t>(area(cells));
+  grid_prior.launch({{"width", size.width},
+                     {"height", size.height},
+                     {"step", parameters.candidate_step},
+                     {"max_disparity", parameters.max_disparity},
+                     {"right", is_right},
+                     {"listed", typical}},
+                    grid_plausible, view.counts, view.lists, cells.width, cells.height, grid.width,
+                    grid.height, parameters.candidate_step, parameters.max_disparity,
+                    static_cast<int>(is_right));
+}
+
+/// Makes the view's mesh and sends it up; false if there is none.
+bool Depth::Impl::triangulate(View& view, bool is_right) {
+  view.mesh = make_mesh(support, is_right);
+  declare_host_step(*session, triangulation_spec(),
+                    {{"points", static_cast<std::int64_t>(support.size())},
+                     {"triangles", view.mesh.triangles}});
+  if (view.mesh.triangles == 0) return false;
+  session->write(view.corners, bytes_of(view.mesh.corners));
+  session->write(view.planes, bytes_of(view.mesh.planes));
+  return true;
+}
+
+void Depth::Impl::match(View& view, const View& other, bool is_right) {
+  const Mesh& mesh = view.mesh;
+  plane_prior.launch({{"width", size.width},
+                      {"height", size.height},
+                      {"triangles", mesh.triangles},
+                      {"spans", mesh.spans},
+                      {"covered", mesh.covered},
+                      {"overlaps", mesh.overlaps}},
+                     view.corners, view.planes, view.map, size.width, size.height, mesh.triangles);
+  // The lists' lengths say what the matching costs; they have been ready since before the meshes.
+  std::int64_t entries = 0;
+  for (int cy = 0; cy < cells.height; ++cy) {
+    for (int cx = 0; cx < cells.width; ++cx) {
+      const std::int64_t n = view.host_counts[static_cast<std::size_t>(cy * cells.width + cx)];
+      entries += n * std::min(kCell, size.width - cx * kCell) *
+                 std::min(kCell, size.height - cy * kCell);
+    }
+  }
+  const int last = parameters.max_disparity;
+  dense_match.launch({{"width", size.width},
+                      {"height", size.height},
+                      {"max_disparity", last},
+                      {"right", is_right},
+                      {"entries", entries},
+                      {"planes", mesh.covered}},
+                     view.descriptors, other.descriptors, view.map, view.counts, view.lists, prior,
+                     view.disparities, size.width, size.height, last, static_cast<int>(is_right),
+                     parameters.match_texture);
+}
+
+DisparityMap Depth::Impl::process(const sensing::GrayImage& left, const sensing::GrayImage& right,
+                                  std::int64_t frame) {
+  for (const sensing::GrayImage* image : {&left, &right}) {
+    if (image->width == size.width && image->height == size.height) continue;
+    throw Error(fmt::format("depth: frame {}: {} picture is {} x {}, expected {} x {}", frame,
+                            image == &left ? "left" : "right", image->width, image->height,
+                            size.width, size.height));
+  }
+  session->extension().set_label("depth", frame);
+  describe(left_view, left);
+  describe(right_view, right);
+  find_support();
+  list_support();
+
+  DisparityMap map{size.width, size.height, std::vector<std::uint16_t>(area(size))};
+  map.support_points = static_cast<int>(support.size());
+  // The device finds out which disparities occur where while the host triangulates.
+  for (View* view : {&left_view, &right_view}) {
+    seen_disparities(*view, view == &right_view);
+    on_queue(*session, "reading a buffer", [&](const cl::CommandQueue& queue) {
+      queue.enqueueReadBuffer(view->counts, CL_FALSE, 0,
+                              view->host_counts.size() * sizeof(std::uint16_t),
+                              view->host_counts.data());
+      queue.flush();
+    });
+  }
+  const bool meshed = triangulate(left_view, false) && triangulate(right_view, true);
+  session->finish();
+  if (!meshed) {
+    map.too_few_support_points = true;
+    return map;
+  }
+  map.triangles = left_view.mesh.triangles;
+  match(left_view, right_view, false);
+  match(right_view, left_view, true);
+  consistency.launch({{"width", size.width}, {"height", size.height}}, left_view.disparities,
+                     right_view.disparities, out, size.width, size.height,
+                     parameters.lr_threshold);
+  session->read(out, std::as_writable_bytes(std::span(map.values)));
+  return map;
+}
+
+Depth::Depth(const Session& session, int width, int height, const DepthParameters& parameters) {
+  check_parameters(parameters);
+  check_size(session, {width, height}, parameters);
+  impl_ = std::make_unique<Impl>(session, Size{width, height}, parameters);
+}
+
+Depth::~Depth() = default;
+Depth::Depth(Depth&&) noexcept = default;
+Depth& Depth::operator=(Depth&&) noexcept = default;
+
+DisparityMap Depth::process(const sensing::GrayImage& left, const sensing::GrayImage& right,
+                            std::int64_t frame) {
+  return impl_->process(left, right, frame);
+}
+
+void Depth::warm_up() {
+  const double disparity = std::min(8, impl_->parameters.max_disparity / 2);
+  const SyntheticPair pair = synthetic_pair(impl_->size, {0, 0, disparity}, 1);
+  process(pair.left, pair.right, 0);
+}
+
+}  // namespace partita::depth
