@@ -37,7 +37,9 @@ void launch(const partita::runtime::KernelSpec& spec, partita::runtime::Variant 
 }  // namespace
 
 int main() {
-  for (const auto* spec : partita::tasks::all_kernel_specs()) {
-    for (const auto variant : spec->variants) launch(*spec, variant);
+  for (const auto& task : partita::tasks::all_tasks()) {
+    for (const auto* spec : task.kernels) {
+      for (const auto variant : spec->variants) launch(*spec, variant);
+    }
   }
 }
