@@ -43,8 +43,9 @@ class Program {
  public:
   Program(Timeline& timeline, std::uint32_t seed, std::uint32_t rank, const ProgramOptions& options)
       : timeline_(timeline), random_(seed), options_(options) {
-    thread_ = timeline.add_thread("t" + std::to_string(rank));
-    timeline.bind_thread(thread_, "t" + std::to_string(rank), rank, pick(5));
+    const std::string own = std::string("t").append(std::to_string(rank));
+    thread_ = timeline.add_thread(own);
+    timeline.bind_thread(thread_, own, rank, pick(5));
     for (DeviceId d = 0; d < 5; ++d) {
       queues_.push_back(timeline.add_queue(d, false));
       if (options.out_of_order) queues_.push_back(timeline.add_queue(d, true));
