@@ -49,7 +49,7 @@ struct FrontendParameters {
   int min_inliers = 20;
   /// RANSAC: number of three-point hypotheses, 1..10000, and the inlier bound in pixels, 0.1..20.
   int ransac_hypotheses = 100;
-  double inlier_bound = 2.0;
+  double inlier_bound = 1.5;
 };
 
 /// Throws Error that names the parameter, its value and its range.
