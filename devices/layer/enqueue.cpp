@@ -79,7 +79,7 @@ cl_int after_command(const Queue& queue, const Enqueue& e, timeline::Command com
     command.waits = waits.nodes();
     thread = current_thread();
     node = s.timeline->enqueue(thread, command);
-    if (e.event) s.events[event] = Event{node, 1, false, queue.profiling(), false};
+    if (e.event) s.events[event] = Event{node, 1, false, queue.profiling()};
     if (e.event && keep) s.timeline->retain(node);
     if (!e.event && !keep) s.timeline->release(node);
   }

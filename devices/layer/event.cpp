@@ -20,7 +20,7 @@ cl_event CL_API_CALL create_user_event(cl_context context, cl_int* errcode_ret) 
     if (!event) return nullptr;
     const Lock lock(state().mutex);
     const timeline::NodeId node = state().timeline->create_user_event(current_thread());
-    state().events[event] = Event{node, 1, true, false, false};
+    state().events[event] = Event{node, 1, true};
     return event;
   });
 }
@@ -83,6 +83,9 @@ cl_int CL_API_CALL get_event_info(cl_event handle, cl_event_info name, std::size
     if (error != CL_SUCCESS || !find_event(handle, event)) return error;
     if (name == CL_EVENT_REFERENCE_COUNT) {  // without the record's own references
       return Answer(size, value, size_ret).put<cl_uint>(event.references);
+    }
+    if (name == CL_EVENT_COMMAND_TYPE && event.type != 0) {
+      return Answer(size, value, size_ret).put(event.type);
     }
     if (name == CL_EVENT_COMMAND_EXECUTION_STATUS && value &&
         *static_cast<const cl_int*>(value) <= CL_COMPLETE) {

@@ -2,6 +2,7 @@
 #include "devices/layer/calls.h"
 #include "devices/layer/commands.h"
 #include "devices/layer/memory.h"
+#include "devices/layer/whole_device.h"
 
 namespace partita::layer {
 
@@ -13,75 +14,81 @@ std::uint64_t image_bytes(cl_mem image, const std::size_t* region) {
 
 namespace {
 
+using timeline::CommandKind;
+
 cl_int CL_API_CALL read_image(cl_command_queue queue, cl_mem image, cl_bool blocking,
                               const std::size_t* origin, const std::size_t* region, std::size_t row,
                               std::size_t slice, void* host, cl_uint wait_count,
                               const cl_event* waits, cl_event* event) {
-  return enqueue({queue, wait_count, waits, event, blocking != CL_FALSE},
-                 moved(timeline::CommandKind::read, image_bytes(image, region)), [&](cl_event* e) {
-                   return target().clEnqueueReadImage(queue, image, CL_FALSE, origin, region, row,
-                                                      slice, host, wait_count, waits, e);
-                 });
+  return enqueue_image({queue, wait_count, waits, event, blocking != CL_FALSE},
+                       CL_COMMAND_READ_IMAGE, moved(CommandKind::read, image_bytes(image, region)),
+                       [&](cl_command_queue q, cl_uint n, const cl_event* list, cl_event* e) {
+                         return target().clEnqueueReadImage(q, image, CL_FALSE, origin, region, row,
+                                                            slice, host, n, list, e);
+                       });
 }
 
 cl_int CL_API_CALL write_image(cl_command_queue queue, cl_mem image, cl_bool blocking,
                                const std::size_t* origin, const std::size_t* region,
                                std::size_t row, std::size_t slice, const void* host,
                                cl_uint wait_count, const cl_event* waits, cl_event* event) {
-  return enqueue({queue, wait_count, waits, event, blocking != CL_FALSE},
-                 moved(timeline::CommandKind::write, image_bytes(image, region)), [&](cl_event* e) {
-                   return target().clEnqueueWriteImage(queue, image, CL_FALSE, origin, region, row,
-                                                       slice, host, wait_count, waits, e);
-                 });
+  return enqueue_image({queue, wait_count, waits, event, blocking != CL_FALSE},
+                       CL_COMMAND_WRITE_IMAGE,
+                       moved(CommandKind::write, image_bytes(image, region)),
+                       [&](cl_command_queue q, cl_uint n, const cl_event* list, cl_event* e) {
+                         return target().clEnqueueWriteImage(q, image, CL_FALSE, origin, region,
+                                                             row, slice, host, n, list, e);
+                       });
 }
 
 cl_int CL_API_CALL copy_image(cl_command_queue queue, cl_mem from, cl_mem to,
                               const std::size_t* from_origin, const std::size_t* to_origin,
                               const std::size_t* region, cl_uint wait_count, const cl_event* waits,
                               cl_event* event) {
-  return enqueue({queue, wait_count, waits, event, false},
-                 inside(queue, timeline::CommandKind::copy, image_bytes(from, region)),
-                 [&](cl_event* e) {
-                   return target().clEnqueueCopyImage(queue, from, to, from_origin, to_origin,
-                                                      region, wait_count, waits, e);
-                 });
+  return enqueue_image({queue, wait_count, waits, event, false}, CL_COMMAND_COPY_IMAGE,
+                       inside(queue, CommandKind::copy, image_bytes(from, region)),
+                       [&](cl_command_queue q, cl_uint n, const cl_event* list, cl_event* e) {
+                         return target().clEnqueueCopyImage(q, from, to, from_origin, to_origin,
+                                                            region, n, list, e);
+                       });
 }
 
 cl_int CL_API_CALL copy_image_to_buffer(cl_command_queue queue, cl_mem from, cl_mem to,
                                         const std::size_t* origin, const std::size_t* region,
                                         std::size_t offset, cl_uint wait_count,
                                         const cl_event* waits, cl_event* event) {
-  return enqueue({queue, wait_count, waits, event, false},
-                 inside(queue, timeline::CommandKind::copy, image_bytes(from, region)),
-                 [&](cl_event* e) {
-                   return target().clEnqueueCopyImageToBuffer(queue, from, to, origin, region,
-                                                              offset, wait_count, waits, e);
-                 });
+  return enqueue_image({queue, wait_count, waits, event, false}, CL_COMMAND_COPY_IMAGE_TO_BUFFER,
+                       inside(queue, CommandKind::copy, image_bytes(from, region)),
+                       [&](cl_command_queue q, cl_uint n, const cl_event* list, cl_event* e) {
+                         return target().clEnqueueCopyImageToBuffer(q, from, to, origin, region,
+                                                                    offset, n, list, e);
+                       });
 }
 
 cl_int CL_API_CALL copy_buffer_to_image(cl_command_queue queue, cl_mem from, cl_mem to,
                                         std::size_t offset, const std::size_t* origin,
                                         const std::size_t* region, cl_uint wait_count,
                                         const cl_event* waits, cl_event* event) {
-  return enqueue({queue, wait_count, waits, event, false},
-                 inside(queue, timeline::CommandKind::copy, image_bytes(to, region)),
-                 [&](cl_event* e) {
-                   return target().clEnqueueCopyBufferToImage(queue, from, to, offset, origin,
-                                                              region, wait_count, waits, e);
-                 });
+  return enqueue_image({queue, wait_count, waits, event, false}, CL_COMMAND_COPY_BUFFER_TO_IMAGE,
+                       inside(queue, CommandKind::copy, image_bytes(to, region)),
+                       [&](cl_command_queue q, cl_uint n, const cl_event* list, cl_event* e) {
+                         return target().clEnqueueCopyBufferToImage(q, from, to, offset, origin,
+                                                                    region, n, list, e);
+                       });
 }
 
-cl_int CL_API_CALL fill_image(cl_command_queue queue_handle, cl_mem image, const void* color,
+/// XRT has no clEnqueueFillImage.
+cl_int CL_API_CALL fill_image(cl_command_queue handle, cl_mem image, const void* color,
                               const std::size_t* origin, const std::size_t* region,
                               cl_uint wait_count, const cl_event* waits, cl_event* event) {
-  const auto queue = find_queue(queue_handle);
+  const auto queue = find_queue(handle);
   if (queue && queue->device->is_fpga()) return CL_INVALID_OPERATION;
-  return enqueue({queue_handle, wait_count, waits, event, false},
-                 inside(queue_handle, timeline::CommandKind::fill, image_bytes(image, region)),
-                 [&](cl_event* e) {
-                   return target().clEnqueueFillImage(queue_handle, image, color, origin, region,
-                                                      wait_count, waits, e);
-                 });
+  return enqueue_image({handle, wait_count, waits, event, false}, CL_COMMAND_FILL_IMAGE,
+                       inside(handle, CommandKind::fill, image_bytes(image, region)),
+                       [&](cl_command_queue q, cl_uint n, const cl_event* list, cl_event* e) {
+                         return target().clEnqueueFillImage(q, image, color, origin, region, n,
+                                                            list, e);
+                       });
 }
 
 }  // namespace

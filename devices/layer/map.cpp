@@ -6,6 +6,7 @@
 #include "devices/layer/calls.h"
 #include "devices/layer/commands.h"
 #include "devices/layer/memory.h"
+#include "devices/layer/whole_device.h"
 
 namespace partita::layer {
 namespace {
@@ -39,32 +40,27 @@ void forget(cl_mem handle, void* pointer) {
   if (it != memory->mappings.end()) memory->mappings.erase(it);
 }
 
-/// `call(event, error)` is the driver's map, not blocking.
-template <typename Call>
-void* map(const Enqueue& e, cl_mem memory, cl_map_flags flags, std::uint64_t bytes,
-          cl_int* errcode_ret, Call&& call) {
+timeline::Command map_command(cl_map_flags flags, std::uint64_t bytes) {
   const bool overwrites = (flags & CL_MAP_WRITE_INVALIDATE_REGION) != 0;
-  void* pointer = nullptr;
-  const cl_int error =
-      enqueue(e, moved(CommandKind::map, overwrites ? 0 : bytes), [&](cl_event* event) {
-        cl_int driver_error = CL_SUCCESS;
-        pointer = call(event, &driver_error);
-        if (pointer) remember(memory, pointer, flags, bytes);
-        return driver_error;
-      });
-  if (errcode_ret) *errcode_ret = error;
-  return error == CL_SUCCESS ? pointer : nullptr;
+  return moved(CommandKind::map, overwrites ? 0 : bytes);
 }
 
 void* CL_API_CALL map_buffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking,
                              cl_map_flags flags, std::size_t offset, std::size_t bytes,
                              cl_uint wait_count, const cl_event* waits, cl_event* event,
                              cl_int* errcode_ret) {
-  return map({queue, wait_count, waits, event, blocking != CL_FALSE}, buffer, flags, bytes,
-             errcode_ret, [&](cl_event* e, cl_int* error) {
-               return target().clEnqueueMapBuffer(queue, buffer, CL_FALSE, flags, offset, bytes,
-                                                  wait_count, waits, e, error);
-             });
+  return guarded_object<void*>(errcode_ret, [&](cl_int& error) -> void* {
+    void* pointer = nullptr;
+    error = enqueue({queue, wait_count, waits, event, blocking != CL_FALSE},
+                    map_command(flags, bytes), [&](cl_event* e) {
+                      cl_int result = CL_SUCCESS;
+                      pointer = target().clEnqueueMapBuffer(queue, buffer, CL_FALSE, flags, offset,
+                                                            bytes, wait_count, waits, e, &result);
+                      if (pointer) remember(buffer, pointer, flags, bytes);
+                      return result;
+                    });
+    return error == CL_SUCCESS ? pointer : nullptr;
+  });
 }
 
 void* CL_API_CALL map_image(cl_command_queue queue, cl_mem image, cl_bool blocking,
@@ -72,11 +68,21 @@ void* CL_API_CALL map_image(cl_command_queue queue, cl_mem image, cl_bool blocki
                             const std::size_t* region, std::size_t* row, std::size_t* slice,
                             cl_uint wait_count, const cl_event* waits, cl_event* event,
                             cl_int* errcode_ret) {
-  return map({queue, wait_count, waits, event, blocking != CL_FALSE}, image, flags,
-             image_bytes(image, region), errcode_ret, [&](cl_event* e, cl_int* error) {
-               return target().clEnqueueMapImage(queue, image, CL_FALSE, flags, origin, region, row,
-                                                 slice, wait_count, waits, e, error);
-             });
+  return guarded_object<void*>(errcode_ret, [&](cl_int& error) -> void* {
+    void* pointer = nullptr;
+    const std::uint64_t bytes = image_bytes(image, region);
+    error = enqueue_image({queue, wait_count, waits, event, blocking != CL_FALSE},
+                          CL_COMMAND_MAP_IMAGE, map_command(flags, bytes),
+                          [&](cl_command_queue q, cl_uint n, const cl_event* list, cl_event* e) {
+                            cl_int result = CL_SUCCESS;
+                            pointer =
+                                target().clEnqueueMapImage(q, image, CL_FALSE, flags, origin,
+                                                           region, row, slice, n, list, e, &result);
+                            if (pointer) remember(image, pointer, flags, bytes);
+                            return result;
+                          });
+    return error == CL_SUCCESS ? pointer : nullptr;
+  });
 }
 
 cl_int CL_API_CALL unmap(cl_command_queue queue, cl_mem memory, void* pointer, cl_uint wait_count,

@@ -123,7 +123,8 @@ struct Event {
   std::uint32_t references = 1;
   bool user = false;
   bool profiling = false;
-  bool status_set = false;  ///< user events: set once already
+  bool status_set = false;   ///< user events: set once already
+  cl_command_type type = 0;  ///< where the driver's differs; 0: it does not
 };
 
 }  // namespace partita::layer

@@ -44,7 +44,8 @@ void forbid_doubles(std::string& text) {
   for (const char* stem : {"", "convert_", "as_"}) {
     for (const char* width : {"", "2", "3", "4", "8", "16"}) {
       const std::string name = std::string(stem) + "double" + width;
-      text += "#define " + name + " " + name + "_is_not_supported_by_this_device\n";
+      text += "#undef " + name + "\n#define " + name + " " + name +
+              "_is_not_supported_by_this_device\n";
     }
   }
 }

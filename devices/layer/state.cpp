@@ -7,6 +7,7 @@
 #include <thread>
 #include <unistd.h>
 
+#include "devices/layer/driver_limits.h"
 #include "devices/layer/record.h"
 #include "devices/layer/version.h"
 
@@ -134,6 +135,7 @@ void open_once(State& s) noexcept {
   try {
     if (s.problem.empty()) {
       find_real_device(s);
+      clamp_to_driver(s);
       split_real_device(s);
       write_record_at_exit();
       return;
