@@ -8,7 +8,7 @@
 namespace partita::frontend {
 namespace {
 
-constexpr int kStereoRange = 5;    ///< pixels of the level, either side
+constexpr int kStereoRange = 5;  ///< pixels of the level, either side
 constexpr int kTemporalRange = 2;
 constexpr int kNoRatio = 256;  ///< both directions agree: that is the test of uniqueness
 
@@ -42,8 +42,8 @@ Associator::Associator(const runtime::Session& session, const Extractor& extract
 }
 
 void Associator::match(const DeviceFeatures& queries, const DeviceFeatures& trains,
-                       const cl::Buffer& shifts, const Window& window, int max_hamming, int ratio_q8,
-                       const cl::Buffer& matches, int searched) {
+                       const cl::Buffer& shifts, const Window& window, int max_hamming,
+                       int ratio_q8, const cl::Buffer& matches, int searched) {
   const Size size = extractor_.size();
   const int cell0 = extractor_.grid(0).cell;
   const int cell1 = extractor_.grid(1).cell;
@@ -64,9 +64,10 @@ void Associator::match(const DeviceFeatures& queries, const DeviceFeatures& trai
 std::vector<RefinedMatch> Associator::refine(const DeviceFeatures& a, const DeviceFeatures& b,
                                              int range_x, int range_y, bool same_row) {
   const Size size = extractor_.size();
-  const runtime::Shape shape{{"width", size.width},      {"height", size.height},
-                             {"queries", a.features},    {"matches", std::min(a.features, b.features) / 2},
-                             {"range_x", range_x},       {"range_y", range_y}};
+  const runtime::Shape shape{
+      {"width", size.width},   {"height", size.height},
+      {"queries", a.features}, {"matches", std::min(a.features, b.features) / 2},
+      {"range_x", range_x},    {"range_y", range_y}};
   refine_sad_.launch(shape, a.images[0], a.images[1], b.images[0], b.images[1], a.keypoints,
                      b.keypoints, forward_, backward_, refined_, size.width, a.features, range_x,
                      range_y, same_row ? 1 : 0, parameters_.max_sad);
@@ -91,9 +92,8 @@ std::vector<RefinedMatch> Associator::stereo(const DeviceFeatures& left,
 
 std::vector<RefinedMatch> Associator::temporal(const DeviceFeatures& from, const DeviceFeatures& to,
                                                const std::vector<Shift>& shifts, int window) {
-  const auto searched = std::count_if(shifts.begin(), shifts.end(), [](const Shift& shift) {
-    return shift.x_q8 != kNoPrediction;
-  });
+  const auto searched = std::count_if(
+      shifts.begin(), shifts.end(), [](const Shift& shift) { return shift.x_q8 != kNoPrediction; });
   if (searched == 0 || to.features == 0) {
     return std::vector<RefinedMatch>(static_cast<std::size_t>(from.features));
   }

@@ -68,7 +68,9 @@ HostArray bytes_of(const GrayImage& image) {
   return HostArray::of<std::uint8_t>(ElementType::u8, image.pixels);
 }
 
-HostArray scalar(int value) { return HostArray::scalar<std::int32_t>(ElementType::i32, value); }
+HostArray scalar(int value) {
+  return HostArray::scalar<std::int32_t>(ElementType::i32, value);
+}
 
 GrayImage image_of(const HostArray& array, Size size) {
   GrayImage image(size.width, size.height);

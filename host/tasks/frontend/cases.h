@@ -40,10 +40,12 @@ GrayImage textured_image(Size size, std::uint32_t seed);
 GrayImage moved_image(const GrayImage& image, int dx, int dy);
 
 /// Random features of both levels' grids, cell by cell, as compact makes them.
-golden::FeatureList random_features(Size image, const Grid& grid0, const Grid& grid1, Random& random);
+golden::FeatureList random_features(Size image, const Grid& grid0, const Grid& grid1,
+                                    Random& random);
 std::vector<golden::Descriptor> random_descriptors(std::size_t count, Random& random);
 
-// ---- Arguments of a KernelCase -------------------------------------------------------------------
+// ---- Arguments of a KernelCase
+// -------------------------------------------------------------------
 
 runtime::HostArray bytes_of(const GrayImage& image);
 runtime::HostArray scalar(int value);

@@ -8,7 +8,9 @@
 namespace partita::frontend {
 namespace {
 
-runtime::Shape shape_of(Size size) { return {{"width", size.width}, {"height", size.height}}; }
+runtime::Shape shape_of(Size size) {
+  return {{"width", size.width}, {"height", size.height}};
+}
 
 /// Level 1 has (5/6)^2 of level 0's area, and the same share of the features: 36/61 and 25/61.
 int quota(int max_features, int level) {

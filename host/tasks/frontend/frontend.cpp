@@ -32,8 +32,8 @@ struct Reference {
 };
 
 struct TrackResult {
-  std::vector<RefinedMatch> matches;       ///< per feature of the reference
-  std::vector<std::size_t> queries;        ///< features behind the observations
+  std::vector<RefinedMatch> matches;  ///< per feature of the reference
+  std::vector<std::size_t> queries;   ///< features behind the observations
   MotionEstimate motion;
 };
 
@@ -200,8 +200,8 @@ void Frontend::Impl::localize(FrontendResult& result) {
   const Pose predicted = has_velocity_ ? scaled_motion(velocity_, gap) : Pose::Identity();
   result.reference = reference_.frame;
   result.widened = !has_velocity_ || gap > 1;
-  TrackResult tracked = track(
-      predicted, result.widened ? parameters_.wide_search_window : parameters_.search_window);
+  TrackResult tracked =
+      track(predicted, result.widened ? parameters_.wide_search_window : parameters_.search_window);
   if (tracked.motion.inlier_count < parameters_.min_inliers && !result.widened) {
     result.widened = true;
     tracked = track(predicted, parameters_.wide_search_window);
@@ -211,8 +211,7 @@ void Frontend::Impl::localize(FrontendResult& result) {
   if (result.tracked) {
     velocity_ = scaled_motion(tracked.motion.T_current_reference, 1.0 / gap);
     has_velocity_ = true;
-    result.T_world_cam =
-        reference_.T_world_cam * tracked.motion.T_current_reference.inverse();
+    result.T_world_cam = reference_.T_world_cam * tracked.motion.T_current_reference.inverse();
     return;
   }
   const auto since_last = static_cast<double>(result.frame - last_frame_);
@@ -224,8 +223,8 @@ FrontendResult Frontend::Impl::process(const GrayImage& left, const GrayImage& r
   check_image(left, "left");
   check_image(right, "right");
   if (frame <= last_frame_) {
-    throw Error(fmt::format("frontend: frame {} after frame {}, expected a later one", frame,
-                            last_frame_));
+    throw Error(
+        fmt::format("frontend: frame {} after frame {}, expected a later one", frame, last_frame_));
   }
   session_.extension().set_label("frontend", frame);
   extract(left, right);
@@ -283,7 +282,11 @@ FrontendResult Frontend::process(const GrayImage& left, const GrayImage& right,
   return impl_->process(left, right, frame);
 }
 
-void Frontend::reset() { impl_->reset(); }
-void Frontend::warm_up() { impl_->warm_up(); }
+void Frontend::reset() {
+  impl_->reset();
+}
+void Frontend::warm_up() {
+  impl_->warm_up();
+}
 
 }  // namespace partita::frontend

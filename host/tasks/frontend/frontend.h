@@ -34,8 +34,8 @@ struct FrontendParameters {
   /// Smallest refined disparity from which a point's depth is used, 0.25..16.
   double min_disparity = 1.5;
   /// Half size of the search window around the predicted position in the next frame, 4..256; the
-  /// wide one (search_window..256) serves while no motion is known and when the small one gave too few
-  /// inliers.
+  /// wide one (search_window..256) serves while no motion is known and when the small one gave too
+  /// few inliers.
   int search_window = 24;
   int wide_search_window = 96;
   /// Largest Hamming distance of a match, of 256 bits, 0..256.
@@ -68,8 +68,8 @@ struct Feature {
 struct FrontendResult {
   std::int64_t frame = 0;
   Pose T_world_cam = Pose::Identity();  ///< left camera; the world is the first frame's camera
-  std::int64_t reference = -1;  ///< frame that the matches lead to, -1: none
-  bool first = false;    ///< no previous frame: the pose is the origin's
+  std::int64_t reference = -1;          ///< frame that the matches lead to, -1: none
+  bool first = false;                   ///< no previous frame: the pose is the origin's
   bool tracked = false;  ///< the pose comes from matches; if neither this nor `first`: too few, and
                          ///< the last motion was applied once more
   bool widened = false;  ///< the wide search window was used

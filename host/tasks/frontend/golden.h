@@ -1,5 +1,6 @@
-// Golden references of the front-end's kernels: plain C++, one pixel or feature at a time, written from
-// the definitions and not from the kernels. What each computes is said at the kernel's GPU text.
+// Golden references of the front-end's kernels: plain C++, one pixel or feature at a time, written
+// from the definitions and not from the kernels. What each computes is said at the kernel's GPU
+// text.
 #ifndef PARTITA_HOST_TASKS_FRONTEND_GOLDEN_H
 #define PARTITA_HOST_TASKS_FRONTEND_GOLDEN_H
 
@@ -19,8 +20,8 @@ using Descriptor = std::array<std::uint32_t, 8>;
 
 GrayImage pyramid_down(const GrayImage& image);
 
-/// Score of one pixel at least 3 from the edges: the largest, over all arcs of nine and both signs, of
-/// the least difference to the centre; 0 if none is positive.
+/// Score of one pixel at least 3 from the edges: the largest, over all arcs of nine and both signs,
+/// of the least difference to the centre; 0 if none is positive.
 int fast_score_at(const GrayImage& image, int x, int y);
 GrayImage fast_score(const GrayImage& image, int threshold);
 

@@ -49,7 +49,9 @@ std::vector<std::uint32_t> select_cells(const GrayImage& score, int cell, int th
   for (std::vector<std::uint32_t>& keys : found) {
     std::sort(keys.begin(), keys.end(), std::greater<>());
     keys.resize(kPerCell, 0);
-    const auto high = [&](std::uint32_t key) { return static_cast<int>(key >> 24) > threshold_high; };
+    const auto high = [&](std::uint32_t key) {
+      return static_cast<int>(key >> 24) > threshold_high;
+    };
     const bool any_high = high(keys.front());
     for (std::uint32_t key : keys) slots.push_back(any_high && !high(key) ? 0 : key);
   }

@@ -45,8 +45,8 @@ int sad(const GrayImage& a, int ax, int ay, const GrayImage& b, int bx, int by) 
   return sum;
 }
 
-RefinedMatch refine(const GrayImage& a, const GrayImage& b, const Keypoint& from, const Keypoint& to,
-                    int index, const RefineOptions& options) {
+RefinedMatch refine(const GrayImage& a, const GrayImage& b, const Keypoint& from,
+                    const Keypoint& to, int index, const RefineOptions& options) {
   const int y_centre = options.same_row ? from.y() : to.y();
   const auto cost = [&](int dx, int dy) {
     return sad(a, from.x(), from.y(), b, to.x() + dx, y_centre + dy);
@@ -69,8 +69,8 @@ RefinedMatch refine(const GrayImage& a, const GrayImage& b, const Keypoint& from
   }
   const int level = from.level();
   const auto scaled = [level](int step) { return level == 0 ? step : step * 307 / 256; };
-  RefinedMatch result{to_original_q8(to.x() + best_x, level), to_original_q8(y_centre + best_y, level),
-                      index, least};
+  RefinedMatch result{to_original_q8(to.x() + best_x, level),
+                      to_original_q8(y_centre + best_y, level), index, least};
   result.x_q8 += scaled(parabola_q8(cost(best_x - 1, best_y), least, cost(best_x + 1, best_y)));
   if (options.range_y > 0) {
     result.y_q8 += scaled(parabola_q8(cost(best_x, best_y - 1), least, cost(best_x, best_y + 1)));

@@ -48,6 +48,8 @@ const HostSpec& predict_spec() {
   return spec;
 }
 
-std::vector<const HostSpec*> host_specs() { return {&motion_spec(), &predict_spec()}; }
+std::vector<const HostSpec*> host_specs() {
+  return {&motion_spec(), &predict_spec()};
+}
 
 }  // namespace partita::frontend

@@ -8,11 +8,11 @@
 namespace partita::frontend {
 
 inline constexpr int kLevels = 2;
-inline constexpr int kBorder = 19;      ///< no feature nearer to a level's edge
-inline constexpr int kPerCell = 4;      ///< features per cell at most
-inline constexpr int kPatchRadius = 15; ///< of orientation and descriptor
+inline constexpr int kBorder = 19;       ///< no feature nearer to a level's edge
+inline constexpr int kPerCell = 4;       ///< features per cell at most
+inline constexpr int kPatchRadius = 15;  ///< of orientation and descriptor
 inline constexpr int kSadRadius = 5;
-inline constexpr int kMinSize = 64;     ///< of an image, either side
+inline constexpr int kMinSize = 64;  ///< of an image, either side
 inline constexpr int kMaxSize = 4096;
 inline constexpr int kMaxFeatures = 2048;
 inline constexpr int kNoDistance = 0xFFFF;
@@ -42,7 +42,7 @@ Grid finest_grid(Size level, int quota);
 
 /// A keypoint as the device has it (int4).
 struct Keypoint {
-  std::int32_t x_q8 = 0;     ///< original image, times 256
+  std::int32_t x_q8 = 0;  ///< original image, times 256
   std::int32_t y_q8 = 0;
   std::int32_t at = 0;       ///< x | y << 16, pixels of its level
   std::int32_t details = 0;  ///< score | bin << 8 | level << 16

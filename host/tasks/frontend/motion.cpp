@@ -17,11 +17,11 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Matrix26d = Eigen::Matrix<double, 2, 6>;
 
-constexpr double kNearest = 0.1;        ///< metres in front of the camera
-constexpr int kSampleIterations = 8;    ///< Gauss-Newton steps of a hypothesis
-constexpr double kPixelSigma = 0.4;     ///< of a refined position
+constexpr double kNearest = 0.1;      ///< metres in front of the camera
+constexpr int kSampleIterations = 8;  ///< Gauss-Newton steps of a hypothesis
+constexpr double kPixelSigma = 0.4;   ///< of a refined position
 constexpr double kDisparitySigma = 0.3;
-constexpr double kLossScale = 1.5;      ///< in standard deviations
+constexpr double kLossScale = 1.5;  ///< in standard deviations
 
 Eigen::Vector2d project(const Eigen::Vector3d& p, const StereoCalibration& calibration) {
   return {calibration.fx * p.x() / p.z() + calibration.cx,
@@ -222,10 +222,9 @@ MotionEstimate estimate_motion(std::span<const Observation> observations,
   }
   // Twice, as the polished pose finds inliers that three points missed.
   for (int round = 0; round < 2 && best.inlier_count >= 3; ++round) {
-    best.iterations +=
-        polish(observations, best.inliers, calibration, best.T_current_reference);
-    best.inlier_count = find_inliers(observations, calibration, best.T_current_reference, bound,
-                                     best.inliers);
+    best.iterations += polish(observations, best.inliers, calibration, best.T_current_reference);
+    best.inlier_count =
+        find_inliers(observations, calibration, best.T_current_reference, bound, best.inliers);
   }
   return best;
 }

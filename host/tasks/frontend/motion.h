@@ -1,6 +1,6 @@
 // The camera's motion from matches, on the host: three-point hypotheses (RANSAC with a seed of its
-// own), then least squares over the inliers with a robust loss (Ceres, one thread). The same matches
-// give the same motion.
+// own), then least squares over the inliers with a robust loss (Ceres, one thread). The same
+// matches give the same motion.
 #ifndef PARTITA_HOST_TASKS_FRONTEND_MOTION_H
 #define PARTITA_HOST_TASKS_FRONTEND_MOTION_H
 

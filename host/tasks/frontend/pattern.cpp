@@ -20,8 +20,8 @@ class Generator {
     z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
     return static_cast<std::uint32_t>((z ^ (z >> 31)) >> 32);
   }
-  /// About normal with deviation 6.2 (a fifth of the patch, as BRIEF has it): twelve uniform numbers
-  /// of 0..65535 have a deviation of 65536.
+  /// About normal with deviation 6.2 (a fifth of the patch, as BRIEF has it): twelve uniform
+  /// numbers of 0..65535 have a deviation of 65536.
   int normal() {
     std::int64_t sum = -6 * 65536;
     for (int i = 0; i < 12; ++i) sum += next() >> 16;
@@ -33,7 +33,9 @@ class Generator {
   std::uint64_t state_ = 20261122;
 };
 
-bool inside(int x, int y) { return x * x + y * y <= kLargestRadius * kLargestRadius; }
+bool inside(int x, int y) {
+  return x * x + y * y <= kLargestRadius * kLargestRadius;
+}
 
 std::array<TestPair, kTests> make_pattern() {
   Generator generator;

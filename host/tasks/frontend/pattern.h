@@ -1,6 +1,6 @@
-// The descriptor's test pattern, after "BRIEF: Binary Robust Independent Elementary Features" (Calonder
-// et al., 2010): pairs of points, each normally distributed about the centre. Our own seeded pattern,
-// turned into one set of pairs per direction ("steered", as in the ORB paper).
+// The descriptor's test pattern, after "BRIEF: Binary Robust Independent Elementary Features"
+// (Calonder et al., 2010): pairs of points, each normally distributed about the centre. Our own
+// seeded pattern, turned into one set of pairs per direction ("steered", as in the ORB paper).
 #ifndef PARTITA_HOST_TASKS_FRONTEND_PATTERN_H
 #define PARTITA_HOST_TASKS_FRONTEND_PATTERN_H
 

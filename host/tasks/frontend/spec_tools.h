@@ -22,7 +22,9 @@ inline std::uint64_t divide_up(std::int64_t value, std::int64_t step) {
 inline std::uint64_t round_up(std::int64_t value, std::int64_t step) {
   return divide_up(value, step) * static_cast<std::uint64_t>(step);
 }
-inline std::uint64_t pixels(Size size) { return static_cast<std::uint64_t>(size.pixels()); }
+inline std::uint64_t pixels(Size size) {
+  return static_cast<std::uint64_t>(size.pixels());
+}
 
 inline FpgaDesign design(std::initializer_list<OnChipBuffer> buffers,
                          std::initializer_list<std::pair<OpClass, std::uint32_t>> operators,

@@ -26,8 +26,9 @@ LaunchGeometry select_geometry(Variant variant, const Shape& shape) {
   const Grid grid = grid_of(shape);
   switch (variant) {
     case Variant::gpu:
-      return {{static_cast<std::size_t>(grid.columns) * 16, static_cast<std::size_t>(grid.rows) * 4, 1},
-              {16, 4, 1}};
+      return {
+          {static_cast<std::size_t>(grid.columns) * 16, static_cast<std::size_t>(grid.rows) * 4, 1},
+          {16, 4, 1}};
     case Variant::cpu:
       return {{static_cast<std::size_t>(grid.rows), 1, 1}, {1, 1, 1}};
     case Variant::fpga:
@@ -45,8 +46,8 @@ Work select_work(Variant variant, const Shape& shape) {
   work.kind = WorkKind::reduce;
   work.read_unique = interior;
   work.written_unique = work.written_issued = cells * kPerCell * 4;
-  // How many pixels have a score is not known beforehand: taken as one in eight, whose eight neighbours
-  // are read and compared.
+  // How many pixels have a score is not known beforehand: taken as one in eight, whose eight
+  // neighbours are read and compared.
   switch (variant) {
     case Variant::gpu:
       work.read_issued = 2 * interior;
@@ -110,11 +111,10 @@ KernelSpec make_select() {
   };
   spec.golden = [](KernelCase& c) {
     const auto slots =
-        golden::select_cells(image_of(c.args[0], size_of(c.shape)),
-                             c.args[4].as<std::int32_t>()[0], c.args[6].as<std::int32_t>()[0]);
+        golden::select_cells(image_of(c.args[0], size_of(c.shape)), c.args[4].as<std::int32_t>()[0],
+                             c.args[6].as<std::int32_t>()[0]);
     const int first = c.args[5].as<std::int32_t>()[0];
-    std::copy(slots.begin(), slots.end(),
-              c.args[1].as<std::uint32_t>().begin() + first * kPerCell);
+    std::copy(slots.begin(), slots.end(), c.args[1].as<std::uint32_t>().begin() + first * kPerCell);
   };
   spec.small_shapes = {{{"width", 39}, {"height", 39}, {"cell", 2}},
                        {{"width", 60}, {"height", 49}, {"cell", 8}},
@@ -165,9 +165,8 @@ KernelSpec make_compact() {
     for (std::size_t i = 0; i < cells; ++i) {
       const int used = seed == 1 ? 0 : random.between(0, kPerCell);
       for (int k = 0; k < used; ++k) {
-        slots.as<std::uint32_t>()[i * kPerCell + static_cast<std::size_t>(k)] =
-            golden::corner_key(random.between(1, 255), random.between(0, 4095),
-                               random.between(0, 4095));
+        slots.as<std::uint32_t>()[i * kPerCell + static_cast<std::size_t>(k)] = golden::corner_key(
+            random.between(1, 255), random.between(0, 4095), random.between(0, 4095));
       }
       used_slots += used;
     }
@@ -177,7 +176,8 @@ KernelSpec make_compact() {
                        scalar(static_cast<int>(cells)), scalar(static_cast<int>(cells / 2))}};
   };
   spec.golden = [](KernelCase& c) {
-    const auto list = golden::compact(c.args[0].as<std::uint32_t>(), c.args[5].as<std::int32_t>()[0]);
+    const auto list =
+        golden::compact(c.args[0].as<std::uint32_t>(), c.args[5].as<std::int32_t>()[0]);
     assign_records<Keypoint>(c.args[1], list.keypoints);
     assign_records<std::int32_t>(c.args[2], list.cell_start);
     c.args[3].as<std::int32_t>()[0] = static_cast<std::int32_t>(list.keypoints.size());
@@ -233,13 +233,14 @@ KernelCase describe_case(const Shape& shape, std::uint32_t seed) {
   const auto count = static_cast<std::size_t>(shape["keypoints"]);
   Random random(seed);
   // The first seed has a flat image: no direction, all bits zero.
-  const GrayImage image = seed == 1 ? GrayImage(size.width, size.height, 90) : textured_image(size, seed);
+  const GrayImage image =
+      seed == 1 ? GrayImage(size.width, size.height, 90) : textured_image(size, seed);
   const GrayImage half = golden::pyramid_down(image);
   const auto keypoints = scattered_keypoints(size, count, random);
   return {shape,
           {bytes_of(image), bytes_of(half), bytes_of(golden::gaussian_blur(image)),
-           bytes_of(golden::gaussian_blur(half)),
-           array_of<Keypoint>(keypoints, ElementType::i32), HostArray(ElementType::u32, count * 8),
+           bytes_of(golden::gaussian_blur(half)), array_of<Keypoint>(keypoints, ElementType::i32),
+           HostArray(ElementType::u32, count * 8),
            HostArray::of<std::uint16_t>(ElementType::u16, test_table()), scalar(size.width),
            scalar(static_cast<int>(count))}};
 }

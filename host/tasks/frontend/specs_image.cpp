@@ -54,7 +54,8 @@ Work pyramid_work(Variant variant, const Shape& shape) {
   work.read_unique = pixels(size);
   work.written_unique = work.written_issued = n;
   if (variant == Variant::cpu) {  // columns are blended once per source pixel, then rows
-    const auto blended = static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(out.height);
+    const auto blended =
+        static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(out.height);
     work[OpClass::int_mul] = 2 * blended + 2 * n;
     work[OpClass::int_add] = blended + 3 * n;
     work.read_issued = 2 * blended;
@@ -102,8 +103,8 @@ Work fast_work(Variant variant, const Shape& shape) {
   const std::uint64_t n = pixels(size);
   Work work;
   work.kind = WorkKind::stencil;
-  // Per pixel 16 differences of either sign (max, subtract), twice 48 minima and maxima over arcs, and
-  // the comparison with the threshold.
+  // Per pixel 16 differences of either sign (max, subtract), twice 48 minima and maxima over arcs,
+  // and the comparison with the threshold.
   work[OpClass::int_add] = 168 * n;
   work.read_unique = work.written_unique = work.written_issued = n;
   switch (variant) {
@@ -122,7 +123,8 @@ Work fast_work(Variant variant, const Shape& shape) {
       work.read_issued = n;
       work.add_loop(6 * static_cast<std::uint64_t>(size.width + 8), 1, 2);  // clearing the lines
       // Four pixels per iteration, the pipeline holds the tree of minima.
-      work.add_loop(static_cast<std::uint64_t>(size.height + 3) * divide_up(size.width + 3, 4), 1, 24);
+      work.add_loop(static_cast<std::uint64_t>(size.height + 3) * divide_up(size.width + 3, 4), 1,
+                    24);
       break;
   }
   return work;
@@ -166,7 +168,8 @@ Work blur_work(Variant variant, const Shape& shape) {
   const std::uint64_t n = pixels(size);
   Work work;
   work.kind = WorkKind::stencil;
-  // A tap is four multiplications and eight additions; two per pixel, on the GPU the halo's besides.
+  // A tap is four multiplications and eight additions; two per pixel, on the GPU the halo's
+  // besides.
   const std::uint64_t taps = variant == Variant::gpu ? n + tiles(size) * 38 * 8 : 2 * n;
   work[OpClass::int_mul] = 4 * taps;
   work[OpClass::int_add] = 8 * taps;
@@ -182,7 +185,8 @@ Work blur_work(Variant variant, const Shape& shape) {
     case Variant::fpga:
       work.read_issued = n;
       work.add_loop(6 * static_cast<std::uint64_t>(size.width + 8), 1, 2);
-      work.add_loop(static_cast<std::uint64_t>(size.height + 3) * divide_up(size.width + 3, 4), 1, 24);
+      work.add_loop(static_cast<std::uint64_t>(size.height + 3) * divide_up(size.width + 3, 4), 1,
+                    24);
       break;
   }
   return work;
@@ -198,8 +202,7 @@ KernelSpec make_blur() {
     return image_geometry(variant, size_of(shape), 32);
   };
   spec.work = blur_work;
-  spec.design =
-      design({{1026, 32, 6, 2}}, {{OpClass::int_mul, 32}, {OpClass::int_add, 64}}, 16, 2);
+  spec.design = design({{1026, 32, 6, 2}}, {{OpClass::int_mul, 32}, {OpClass::int_add, 64}}, 16, 2);
   spec.make_case = [](const Shape& shape, std::uint32_t seed) {
     return image_case(shape, seed, size_of(shape));
   };

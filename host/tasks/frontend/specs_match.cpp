@@ -1,5 +1,5 @@
-// Specs of the kernels that associate features: match_window, invert_matches, refine_sad; and the list
-// of all specs.
+// Specs of the kernels that associate features: match_window, invert_matches, refine_sad; and the
+// list of all specs.
 #include <algorithm>
 
 #include "host/tasks/frontend/cases.h"
@@ -19,16 +19,18 @@ using runtime::LaunchGeometry;
 using runtime::Shape;
 using runtime::Variant;
 
-int value_of(const HostArray& array) { return array.as<std::int32_t>()[0]; }
+int value_of(const HostArray& array) {
+  return array.as<std::int32_t>()[0];
+}
 
 Work match_work(Variant variant, const Shape& shape) {
   const auto queries = static_cast<std::uint64_t>(shape["queries"]);
   const auto trains = static_cast<std::uint64_t>(shape["trains"]);
   const auto candidates = static_cast<std::uint64_t>(shape["candidates"]);
   const Size size = size_of(shape);
-  const auto cells =
-      static_cast<std::uint64_t>(make_grid(size, static_cast<int>(shape["cell0"])).cells() +
-                                 make_grid(level_size(size, 1), static_cast<int>(shape["cell1"])).cells());
+  const auto cells = static_cast<std::uint64_t>(
+      make_grid(size, static_cast<int>(shape["cell0"])).cells() +
+      make_grid(level_size(size, 1), static_cast<int>(shape["cell1"])).cells());
   Work work;
   work.kind = WorkKind::gather;
   // A candidate: four comparisons, 256 bits counted without a special instruction, two minima. The
@@ -42,8 +44,8 @@ Work match_work(Variant variant, const Shape& shape) {
   if (variant == Variant::fpga) {
     work.read_issued = work.read_unique = queries * (16 + 32 + 8) + trains * 48 + cells * 4;
     work.add_loop(cells + 1, 1, 30);
-    work.add_loop(trains, 2, 30);      // 48 bytes on a port of 32 bytes a cycle
-    work.add_loop(queries, 40, 0);     // fetching a query, finding its cells, filling the pipeline
+    work.add_loop(trains, 2, 30);   // 48 bytes on a port of 32 bytes a cycle
+    work.add_loop(queries, 40, 0);  // fetching a query, finding its cells, filling the pipeline
     work.add_loop(2 * candidates, 1, 0);
   }
   return work;
@@ -55,8 +57,8 @@ KernelCase match_case(const Shape& shape, std::uint32_t seed) {
   const int cell0 = static_cast<int>(shape["cell0"]);
   const int cell1 = static_cast<int>(shape["cell1"]);
   Random random(seed);
-  const auto list = random_features(size, make_grid(size, cell0),
-                                    make_grid(level_size(size, 1), cell1), random);
+  const auto list =
+      random_features(size, make_grid(size, cell0), make_grid(level_size(size, 1), cell1), random);
   const auto train_descriptors = random_descriptors(list.keypoints.size(), random);
   const auto window = seed % 2 == 0 ? Window{-60 * 256, 0, -2 * 256, 2 * 256}
                                     : Window{-24 * 256, 24 * 256, -24 * 256, 24 * 256};
@@ -101,7 +103,8 @@ void match_golden(KernelCase& c) {
   const auto matches = golden::match_window(
       records_of<Keypoint>(c.args[0], queries), records_of<Descriptor>(c.args[1], queries),
       records_of<Shift>(c.args[2], queries), records_of<Keypoint>(c.args[3], trains),
-      records_of<Descriptor>(c.args[4], trains), window, value_of(c.args[16]), value_of(c.args[17]));
+      records_of<Descriptor>(c.args[4], trains), window, value_of(c.args[16]),
+      value_of(c.args[17]));
   assign_records<Match>(c.args[6], matches);
 }
 
@@ -131,7 +134,7 @@ KernelSpec make_match() {
   spec.golden = match_golden;
   const auto shape = [](std::int64_t width, std::int64_t height, std::int64_t cell0,
                         std::int64_t cell1) {
-    return Shape{{"width", width}, {"height", height}, {"cell0", cell0},   {"cell1", cell1},
+    return Shape{{"width", width}, {"height", height}, {"cell0", cell0}, {"cell1", cell1},
                  {"queries", 0},   {"trains", 0},      {"candidates", 0}};
   };
   spec.small_shapes = {shape(64, 64, 30, 20), shape(90, 70, 16, 30)};
@@ -227,8 +230,8 @@ Work refine_work(Variant variant, const Shape& shape) {
     work.local_bytes = matches * (121 + window + positions * (242 + 4) + positions * 4);
   }
   if (variant == Variant::fpga) {
-    // Per match the rows of the window, one offset per cycle, and the filling of both pipelines; per
-    // query the look-up whether it is unique.
+    // Per match the rows of the window, one offset per cycle, and the filling of both pipelines;
+    // per query the look-up whether it is unique.
     work.add_loop(matches, static_cast<std::uint32_t>(down + 10 + positions) + 50, 0);
     work.add_loop(queries, 8, 0);
   }
@@ -254,7 +257,8 @@ KernelCase refine_case(const Shape& shape, std::uint32_t seed) {
     const auto keypoint = [&](int x, int y) {
       x = std::clamp(x, kBorder, level_of.width - kBorder - 1);
       y = std::clamp(y, kBorder, level_of.height - kBorder - 1);
-      return Keypoint{to_original_q8(x, level), to_original_q8(y, level), x | (y << 16), level << 16};
+      return Keypoint{to_original_q8(x, level), to_original_q8(y, level), x | (y << 16),
+                      level << 16};
     };
     const int x = random.between(kBorder, level_of.width - kBorder - 1);
     const int y = random.between(kBorder, level_of.height - kBorder - 1);
@@ -264,14 +268,14 @@ KernelCase refine_case(const Shape& shape, std::uint32_t seed) {
     inverse[i] = {random.next() % 6 == 0 ? -1 : static_cast<int>(i), 10};
     unique += matches[i].index >= 0 && inverse[i].index >= 0 ? 1 : 0;
   }
-  return {shape.with("matches", unique),
-          {bytes_of(a0), bytes_of(a1), bytes_of(b0), bytes_of(b1),
-           array_of<Keypoint>(from, ElementType::i32), array_of<Keypoint>(to, ElementType::i32),
-           array_of<Match>(matches, ElementType::i32), array_of<Match>(inverse, ElementType::i32),
-           HostArray(ElementType::i32, count * 4), scalar(size.width),
-           scalar(static_cast<int>(count)), scalar(static_cast<int>(shape["range_x"])),
-           scalar(static_cast<int>(shape["range_y"])), scalar(shape["range_y"] > 0 ? 0 : 1),
-           scalar(seed % 2 == 0 ? 30855 : 1500)}};
+  return {
+      shape.with("matches", unique),
+      {bytes_of(a0), bytes_of(a1), bytes_of(b0), bytes_of(b1),
+       array_of<Keypoint>(from, ElementType::i32), array_of<Keypoint>(to, ElementType::i32),
+       array_of<Match>(matches, ElementType::i32), array_of<Match>(inverse, ElementType::i32),
+       HostArray(ElementType::i32, count * 4), scalar(size.width), scalar(static_cast<int>(count)),
+       scalar(static_cast<int>(shape["range_x"])), scalar(static_cast<int>(shape["range_y"])),
+       scalar(shape["range_y"] > 0 ? 0 : 1), scalar(seed % 2 == 0 ? 30855 : 1500)}};
 }
 
 void refine_golden(KernelCase& c) {
@@ -311,8 +315,9 @@ KernelSpec make_refine() {
   };
   spec.work = refine_work;
   // Both patches in registers, the costs in a memory; 121 differences with their sum side by side.
-  spec.design = design({{1, 968, 1, 2}, {1, 4104, 1, 2}, {153, 32, 1, 2}},
-                       {{OpClass::int_mul, 6}, {OpClass::int_special, 2}, {OpClass::int_add, 363}}, 10, 3);
+  spec.design =
+      design({{1, 968, 1, 2}, {1, 4104, 1, 2}, {153, 32, 1, 2}},
+             {{OpClass::int_mul, 6}, {OpClass::int_special, 2}, {OpClass::int_add, 363}}, 10, 3);
   spec.make_case = refine_case;
   spec.golden = refine_golden;
   const auto shape = [](std::int64_t width, std::int64_t height, std::int64_t queries,
@@ -344,8 +349,8 @@ const KernelSpec& refine_sad_spec() {
 }
 
 std::vector<const KernelSpec*> kernel_specs() {
-  return {&pyramid_down_spec(), &fast_score_spec(),   &gaussian_blur_spec(),
-          &select_cells_spec(), &compact_spec(),      &describe_spec(),
+  return {&pyramid_down_spec(), &fast_score_spec(),     &gaussian_blur_spec(),
+          &select_cells_spec(), &compact_spec(),        &describe_spec(),
           &match_window_spec(), &invert_matches_spec(), &refine_sad_spec()};
 }
 
