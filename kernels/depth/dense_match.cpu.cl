@@ -32,46 +32,55 @@ static inline ulong candidate(const Row row, uchar16 mine, int x, int d) {
   return outside ? NEVER : (ulong)distance << KEY_SHIFT;
 }
 
-// Best candidate of the plane `mu` (not NO_PLANE) for the pixel at x.
-static inline ulong plane_pixel(const Row row, int x, int mu, __private const ulong8 *penalties) {
+// `addend`: penalty and disparity in their places.
+static inline ulong with_penalty(ulong key, ulong addend) {
+  return key == NEVER ? NEVER : key + addend;
+}
+
+// Best candidate of the plane `mu` for the pixel at x.
+static inline ulong best_of_plane(const Row row, int x, int mu,
+                                  __private const ulong *penalties) {
+  if (mu == NO_PLANE) return NEVER;
   const int floor = mu >> PLANE_BITS;
-  const ulong8 penalty = penalties[mu & ((1 << PLANE_BITS) - 1)];
+  const ulong8 penalty = vload8((size_t)(mu & ((1 << PLANE_BITS) - 1)), penalties);
   // In memory the candidates' columns ascend: so does the disparity to the right, or it descends.
   const int first = row.direction < 0 ? x - floor - 2 : x + floor - 1;
   const ulong2 d = vload2((size_t)x, (__global const ulong *)row.own);
-  ulong4 keys;
   if (floor >= 1 && floor + 2 <= row.max_disparity && first >= 0 && first + 3 < row.width) {
-    const ulong8 distances = distance4((ulong8)(d, d, d, d), four(row.other, first));
-    keys = ((distances << KEY_SHIFT) + (ulong8)((ulong)floor) + penalty).even;
-  } else {
-    const uchar16 mine = as_uchar16(d);
-    const int lowest = row.direction < 0 ? floor + 2 : floor - 1;
-    keys = (ulong4)(candidate(row, mine, x, lowest),
-                    candidate(row, mine, x, lowest + row.direction),
-                    candidate(row, mine, x, lowest + 2 * row.direction),
-                    candidate(row, mine, x, lowest + 3 * row.direction));
-    const ulong4 outside = as_ulong4(keys == (ulong4)(NEVER));
-    keys = (keys + (ulong4)((ulong)floor) + penalty.even) | outside;
+    const ulong8 distances = distance4(d.s01010101, four(row.other, first));
+    const ulong8 keys = (distances << KEY_SHIFT) + (ulong8)((ulong)floor) + penalty;
+    return least_of(keys);
   }
-  const ulong2 two = min(keys.lo, keys.hi);
-  return min(two.x, two.y);
+  const uchar16 mine = as_uchar16(d);
+  const int step = row.direction;
+  const int start = step < 0 ? floor + 2 : floor - 1;
+  const ulong base = (ulong)floor;
+  const ulong one = with_penalty(candidate(row, mine, x, start), base + penalty.s0);
+  const ulong two = with_penalty(candidate(row, mine, x, start + step), base + penalty.s2);
+  const ulong three = with_penalty(candidate(row, mine, x, start + 2 * step), base + penalty.s4);
+  const ulong last = with_penalty(candidate(row, mine, x, start + 3 * step), base + penalty.s6);
+  return min(min(one, two), min(three, last));
 }
 
 static inline ulong listed_pixel(const Row row, int x, __global const uchar *list, int count) {
   const uchar16 mine = vload16((size_t)x, row.own);
   ulong best = NEVER;
   for (int n = 0; n < count; ++n) {
-    const ulong key = candidate(row, mine, x, list[n]);
-    best = min(best, key == NEVER ? NEVER : key + row.away + list[n]);
+    const int d = list[n];
+    best = min(best, with_penalty(candidate(row, mine, x, d), row.away + (ulong)d));
   }
   return best;
 }
 
+// Four keys, each in two places.
+static inline ulong8 twice(ulong a, ulong b, ulong c, ulong d) {
+  return (ulong8)(a, a, b, b, c, c, d, d);
+}
+
 // The same for pixels x .. x + 3.
-static inline ulong4 listed_four(const Row row, int x, __global const uchar *list, int count) {
+static inline ulong8 listed_four(const Row row, int x, __global const uchar *list, int count) {
   const ulong8 own = four(row.own, x);
   ulong8 best = (ulong8)(NEVER);
-  ulong4 edge = (ulong4)(NEVER);
   for (int n = 0; n < count; ++n) {
     const int d = list[n];
     const int first = x + row.direction * d;
@@ -79,13 +88,13 @@ static inline ulong4 listed_four(const Row row, int x, __global const uchar *lis
       const ulong8 distances = distance4(own, four(row.other, first));
       best = min(best, (distances << KEY_SHIFT) + (ulong8)(row.away + (ulong)d));
     } else {
-      edge = min(edge, (ulong4)(listed_pixel(row, x, list + n, 1),
-                                listed_pixel(row, x + 1, list + n, 1),
-                                listed_pixel(row, x + 2, list + n, 1),
-                                listed_pixel(row, x + 3, list + n, 1)));
+      best = min(best, twice(listed_pixel(row, x, list + n, 1),
+                             listed_pixel(row, x + 1, list + n, 1),
+                             listed_pixel(row, x + 2, list + n, 1),
+                             listed_pixel(row, x + 3, list + n, 1)));
     }
   }
-  return min(best.even, edge);
+  return best;
 }
 
 static inline short decide(const Row row, int x, ulong key, int texture) {
@@ -95,23 +104,25 @@ static inline short decide(const Row row, int x, ulong key, int texture) {
 
 static inline void cell_row(const Row row, int x, int end, __global const short *map,
                             __global const uchar *list, int count,
-                            __private const ulong8 *penalties, int texture, __global short *out) {
+                            __private const ulong *penalties, int texture, __global short *out) {
   for (; x + 4 <= end; x += 4) {
-    const ulong4 keys = listed_four(row, x, list, count);
-    const short4 mu = vload4(0, map + x);
-    const ulong4 planes = (ulong4)(
-        mu.x == NO_PLANE ? NEVER : plane_pixel(row, x, mu.x, penalties),
-        mu.y == NO_PLANE ? NEVER : plane_pixel(row, x + 1, mu.y, penalties),
-        mu.z == NO_PLANE ? NEVER : plane_pixel(row, x + 2, mu.z, penalties),
-        mu.w == NO_PLANE ? NEVER : plane_pixel(row, x + 3, mu.w, penalties));
-    const ulong4 best = min(keys, planes);
-    const ulong4 contrast = distance4(four(row.own, x), (ulong8)(0x8080808080808080ul)).even;
-    const long4 rejected = (best == (ulong4)(NEVER)) | (contrast < (ulong4)((ulong)texture));
-    vstore4(convert_short4(as_long4(best & (ulong4)(255ul)) | rejected), 0, out + x);
+    const ulong8 listed = listed_four(row, x, list, count);
+    const ulong8 planes = twice(best_of_plane(row, x, map[x], penalties),
+                                best_of_plane(row, x + 1, map[x + 1], penalties),
+                                best_of_plane(row, x + 2, map[x + 2], penalties),
+                                best_of_plane(row, x + 3, map[x + 3], penalties));
+    const ulong8 best = min(listed, planes);
+    const ulong8 contrast = distance4(four(row.own, x), (ulong8)(0x8080808080808080ul));
+    const long8 rejected = (best == (ulong8)(NEVER)) | (contrast < (ulong8)((ulong)texture));
+    const long8 chosen = as_long8(best & (ulong8)(255ul)) | rejected;
+    out[x] = (short)chosen.s0;
+    out[x + 1] = (short)chosen.s2;
+    out[x + 2] = (short)chosen.s4;
+    out[x + 3] = (short)chosen.s6;
   }
   for (; x < end; ++x) {
-    ulong best = listed_pixel(row, x, list, count);
-    if (map[x] != NO_PLANE) best = min(best, plane_pixel(row, x, map[x], penalties));
+    const ulong best = min(listed_pixel(row, x, list, count),
+                           best_of_plane(row, x, map[x], penalties));
     out[x] = decide(row, x, best, texture);
   }
 }
@@ -127,14 +138,15 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void dense_match(
   const int direction = right != 0 ? 1 : -1;
   // Penalty and offset from the plane's floor, for each fraction of the plane's disparity, of the
   // four candidates as they lie in memory, each in both of its places.
-  ulong8 penalties[1 << PLANE_BITS];
+  ulong penalties[8 << PLANE_BITS];
   for (int f = 0; f < 1 << PLANE_BITS; ++f) {
-    const ulong up2 = ((ulong)prior[(2 << PLANE_BITS) - f] << 8) + 2;
-    const ulong up1 = ((ulong)prior[(1 << PLANE_BITS) - f] << 8) + 1;
-    const ulong at = (ulong)prior[f] << 8;
-    const ulong down = ((ulong)prior[(1 << PLANE_BITS) + f] << 8) - 1;
-    penalties[f] = right != 0 ? (ulong8)(down, down, at, at, up1, up1, up2, up2)
-                              : (ulong8)(up2, up2, up1, up1, at, at, down, down);
+    for (int k = 0; k < 4; ++k) {
+      const int offset = right != 0 ? k - 1 : 2 - k;
+      const int off = (offset << PLANE_BITS) - f;
+      const ulong penalty = ((ulong)prior[max(off, -off)] << 8) + (ulong)offset;
+      penalties[8 * f + 2 * k] = penalty;
+      penalties[8 * f + 2 * k + 1] = penalty;
+    }
   }
   for (int y = cy * CELL; y < min((cy + 1) * CELL, height); ++y) {
     const size_t start = (size_t)y * (size_t)width;

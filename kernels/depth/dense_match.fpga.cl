@@ -47,9 +47,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void dense_match(
       // Candidate by candidate, pixel by pixel: a pixel comes round again after the whole cell, so
       // that its minimum is ready in time.
       PIPELINE(1)
-      for (int k = 0; k < (4 + count) * pixels; ++k) {
-        const int n = k / pixels;
-        const int p = k - n * pixels;
+      for (int n = 0, p = 0; n < 4 + count; p = p + 1 < pixels ? p + 1 : 0, n += p == 0 ? 1 : 0) {
         const int x = begin + p;
         const int room = min(max_disparity, right != 0 ? width - 1 - x : x);
         const int mu = planes[x];

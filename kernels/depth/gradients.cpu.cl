@@ -82,24 +82,29 @@ static inline uchar16 descriptor_pixel(const Rows rows, int x, int width) {
                    rows.dv1[x], rows.dv2[l], rows.dv2[r], rows.dv3[x]);
 }
 
-#define LOW(a, b)                                                                                  \
-  (uchar16)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3, a.s4, b.s4, a.s5, b.s5, a.s6, b.s6,    \
-            a.s7, b.s7)
-#define HIGH(a, b)                                                                                 \
-  (uchar16)(a.s8, b.s8, a.s9, b.s9, a.sa, b.sa, a.sb, b.sb, a.sc, b.sc, a.sd, b.sd, a.se, b.se,    \
-            a.sf, b.sf)
-// One of four rounds that turn 16 samples of 16 pixels into 16 pixels of 16 samples.
-#define ROUND(t, s)                                                                                \
-  const uchar16 t##0 = LOW(s##0, s##8), t##1 = HIGH(s##0, s##8), t##2 = LOW(s##1, s##9),           \
-                t##3 = HIGH(s##1, s##9), t##4 = LOW(s##2, s##10), t##5 = HIGH(s##2, s##10),        \
-                t##6 = LOW(s##3, s##11), t##7 = HIGH(s##3, s##11), t##8 = LOW(s##4, s##12),        \
-                t##9 = HIGH(s##4, s##12), t##10 = LOW(s##5, s##13), t##11 = HIGH(s##5, s##13),     \
-                t##12 = LOW(s##6, s##14), t##13 = HIGH(s##6, s##14), t##14 = LOW(s##7, s##15),     \
-                t##15 = HIGH(s##7, s##15)
-#define STORE(k) vstore16(e##k, k, out)
+// Turns 16 samples of 16 pixels into 16 pixels of 16 samples, as one transposes a matrix by halves:
+// each step exchanges blocks of 1, 2, 4 and 8 bytes between rows that lie as far apart.
+#define SWAP(word, bits, low, x, y)                                                                \
+  {                                                                                                \
+    const word p = as_##word(x);                                                                   \
+    const word q = as_##word(y);                                                                   \
+    x = as_uchar16((p & low) | (q << bits));                                                       \
+    y = as_uchar16((p >> bits) | (q & ~low));                                                      \
+  }
+#define SWAP1(x, y) SWAP(ushort8, (ushort8)(8), (ushort8)(0xff), x, y)
+#define SWAP2(x, y) SWAP(uint4, (uint4)(16), (uint4)(0xffffu), x, y)
+#define SWAP4(x, y) SWAP(ulong2, (ulong2)(32), (ulong2)(0xfffffffful), x, y)
+#define SWAP8(x, y)                                                                                \
+  {                                                                                                \
+    const ulong2 p = as_ulong2(x);                                                                 \
+    const ulong2 q = as_ulong2(y);                                                                 \
+    x = as_uchar16((ulong2)(p.s0, q.s0));                                                            \
+    y = as_uchar16((ulong2)(p.s1, q.s1));                                                            \
+  }
+#define STORE(k) vstore16(a##k, k, out)
 
 static inline void descriptor_step(const Rows rows, int x, __global uchar *out) {
-  const uchar16 a0 = vload16(0, rows.du0 + x - 1), a1 = vload16(0, rows.du0 + x + 1),
+  uchar16 a0 = vload16(0, rows.du0 + x - 1), a1 = vload16(0, rows.du0 + x + 1),
                 a2 = vload16(0, rows.du1 + x - 2), a3 = vload16(0, rows.du1 + x),
                 a4 = vload16(0, rows.du1 + x + 2), a5 = vload16(0, rows.du2 + x - 1),
                 a6 = vload16(0, rows.du2 + x + 1), a7 = vload16(0, rows.du3 + x - 2),
@@ -107,10 +112,14 @@ static inline void descriptor_step(const Rows rows, int x, __global uchar *out) 
                 a10 = vload16(0, rows.du4 + x - 1), a11 = vload16(0, rows.du4 + x + 1),
                 a12 = vload16(0, rows.dv1 + x), a13 = vload16(0, rows.dv2 + x - 1),
                 a14 = vload16(0, rows.dv2 + x + 1), a15 = vload16(0, rows.dv3 + x);
-  ROUND(b, a);
-  ROUND(c, b);
-  ROUND(d, c);
-  ROUND(e, d);
+  SWAP1(a0, a1) SWAP1(a2, a3) SWAP1(a4, a5) SWAP1(a6, a7)
+  SWAP1(a8, a9) SWAP1(a10, a11) SWAP1(a12, a13) SWAP1(a14, a15)
+  SWAP2(a0, a2) SWAP2(a1, a3) SWAP2(a4, a6) SWAP2(a5, a7)
+  SWAP2(a8, a10) SWAP2(a9, a11) SWAP2(a12, a14) SWAP2(a13, a15)
+  SWAP4(a0, a4) SWAP4(a1, a5) SWAP4(a2, a6) SWAP4(a3, a7)
+  SWAP4(a8, a12) SWAP4(a9, a13) SWAP4(a10, a14) SWAP4(a11, a15)
+  SWAP8(a0, a8) SWAP8(a1, a9) SWAP8(a2, a10) SWAP8(a3, a11)
+  SWAP8(a4, a12) SWAP8(a5, a13) SWAP8(a6, a14) SWAP8(a7, a15)
   STORE(0); STORE(1); STORE(2); STORE(3); STORE(4); STORE(5); STORE(6); STORE(7);
   STORE(8); STORE(9); STORE(10); STORE(11); STORE(12); STORE(13); STORE(14); STORE(15);
 }

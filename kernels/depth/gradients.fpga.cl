@@ -7,31 +7,38 @@
 
 static inline uchar squeeze(int response) { return (uchar)clamp(128 + (response >> 2), 0, 255); }
 
+// A column of the Sobel window.
+typedef struct {
+  int top, middle, bottom;
+} Three;
+
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void sobel(
     __global const uchar *restrict image, __global uchar *restrict du, __global uchar *restrict dv,
     int width, int height) {
   uchar line[2][FPGA_WIDTH] PARTITION_COMPLETE(1);
   for (int r = 0; r <= height; ++r) {
     __global const uchar *incoming = image + (size_t)min(r, height - 1) * (size_t)width;
-    int3 left = (int3)(0);
-    int3 middle = (int3)(0);
-    int3 right = (int3)(0);
+    Three a = {0, 0, 0};
+    Three b = a;
+    Three c = a;  // a, b, c: columns from left to right
     PIPELINE(1)
-    for (int c = 0; c <= width; ++c) {
-      left = middle;
-      middle = right;
-      if (c < width) {
-        const uchar below = incoming[c];
-        const uchar here = r == 0 ? below : line[1][c];
-        right = (int3)(r == 0 ? below : line[0][c], here, below);
-        line[0][c] = here;
-        line[1][c] = below;
+    for (int i = 0; i <= width; ++i) {
+      a = b;
+      b = c;
+      if (i < width) {
+        const uchar below = incoming[i];
+        const uchar here = r == 0 ? below : line[1][i];
+        c.top = r == 0 ? below : line[0][i];
+        c.middle = here;
+        c.bottom = below;
+        line[0][i] = here;
+        line[1][i] = below;
       }
-      if (c == 0) middle = right;
-      if (r > 0 && c > 0) {
-        const size_t i = (size_t)(r - 1) * (size_t)width + (size_t)(c - 1);
-        du[i] = squeeze(right.x + 2 * right.y + right.z - left.x - 2 * left.y - left.z);
-        dv[i] = squeeze(left.z + 2 * middle.z + right.z - left.x - 2 * middle.x - right.x);
+      if (i == 0) b = c;
+      if (r > 0 && i > 0) {
+        const size_t out = (size_t)(r - 1) * (size_t)width + (size_t)(i - 1);
+        du[out] = squeeze(c.top + 2 * c.middle + c.bottom - a.top - 2 * a.middle - a.bottom);
+        dv[out] = squeeze(a.bottom + 2 * b.bottom + c.bottom - a.top - 2 * b.top - c.top);
       }
     }
   }

@@ -10,14 +10,13 @@ static inline uchar squeeze(int response) { return (uchar)clamp(128 + (response 
 static inline void load_tile(__global const uchar *restrict image, int width, int height,
                              __local uchar *tile, int reach) {
   const int columns = TILE_X + 2 * reach;
-  const int rows = TILE_Y + 2 * reach;
   const int left = (int)get_group_id(0) * TILE_X - reach;
   const int top = (int)get_group_id(1) * TILE_Y - reach;
-  const int lane = (int)get_local_id(1) * TILE_X + (int)get_local_id(0);
-  for (int i = lane; i < columns * rows; i += TILE_X * TILE_Y) {
-    const int x = clamp(left + i % columns, 0, width - 1);
-    const int y = clamp(top + i / columns, 0, height - 1);
-    tile[i] = image[(size_t)y * (size_t)width + (size_t)x];
+  for (int j = (int)get_local_id(1); j < TILE_Y + 2 * reach; j += TILE_Y) {
+    const size_t row = (size_t)clamp(top + j, 0, height - 1) * (size_t)width;
+    for (int i = (int)get_local_id(0); i < columns; i += TILE_X) {
+      tile[j * columns + i] = image[row + (size_t)clamp(left + i, 0, width - 1)];
+    }
   }
 }
 

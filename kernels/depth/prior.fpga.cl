@@ -12,9 +12,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void grid_prior(
     int max_disparity, int right) {
   const int reach = right != 0 ? max_disparity : 0;
   uchar seen[DISPARITIES + 2] PARTITION_COMPLETE(1);  // at d + 1
-  for (int cell = 0; cell < columns * rows; ++cell) {
-    const int cx = cell % columns;
-    const int cy = cell / columns;
+  for (int cell = 0, cx = 0, cy = 0; cell < columns * rows; ++cell) {
     UNROLL(DISPARITIES + 2)
     for (int k = 0; k < DISPARITIES + 2; ++k) seen[k] = 0;
     const int begin = (cx * CELL + step - 1) / step;
@@ -39,6 +37,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void grid_prior(
       if (seen[d + 1] != 0) list[n++] = (uchar)d;
     }
     counts[cell] = (ushort)n;
+    cx = cx + 1 < columns ? cx + 1 : 0;
+    cy = cx == 0 ? cy + 1 : cy;
   }
 }
 

@@ -16,12 +16,11 @@ __kernel __attribute__((reqd_work_group_size(SIDE, SIDE, 1))) void support_plaus
   const int stride = SIDE + 2 * window;
   const int left = (int)get_group_id(0) * SIDE - window;
   const int top = (int)get_group_id(1) * SIDE - window;
-  const int lane = (int)get_local_id(1) * SIDE + (int)get_local_id(0);
-  for (int k = lane; k < stride * stride; k += SIDE * SIDE) {
-    const int x = left + k % stride;
-    const int y = top + k / stride;
-    const bool inside = x >= 0 && x < columns && y >= 0 && y < rows;
-    tile[k] = inside ? grid[y * columns + x] : (short)-1;
+  for (int y = (int)get_local_id(1); y < stride; y += SIDE) {
+    for (int x = (int)get_local_id(0); x < stride; x += SIDE) {
+      const bool inside = left + x >= 0 && left + x < columns && top + y >= 0 && top + y < rows;
+      tile[y * stride + x] = inside ? grid[(top + y) * columns + left + x] : (short)-1;
+    }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   const int i = (int)get_global_id(0);

@@ -6,7 +6,7 @@
 #include "depth/constants.clh"
 #include "depth/distance.clh"
 
-#define NEVER 0xffffffffu
+#define NEVER 0xfffffffffffffffful
 
 // One view's rows two above and two below the grid's, its row in the middle, and where disparities
 // lead in the other view.
@@ -20,7 +20,7 @@ typedef struct {
 
 static inline ulong8 four_times(__global const uchar *descriptor) {
   const ulong2 d = vload2(0, (__global const ulong *)descriptor);
-  return (ulong8)(d, d, d, d);
+  return d.s01010101;
 }
 
 // The best disparity; `distinct` tells whether it passes the texture and ratio tests.
@@ -39,42 +39,42 @@ static inline int match(const View view, int u, int max_disparity, int texture, 
   const int room = view.direction < 0 ? u - MARGIN : view.width - 1 - MARGIN - u;
   const int last = min(max_disparity, room);
 
-  // Keys order by cost, then by disparity.
-  uint keys[DISPARITIES + 16];
-  for (int first = 0; first <= max_disparity; first += 4) {
-    const int wanted = view.direction < 0 ? u - first - 3 : u + first;
+  // Keys order by cost, then by disparity; each lies in two places. In memory the columns of four
+  // disparities ascend: so do the disparities to the right, or they descend.
+  ulong8 keys[DISPARITIES / 4];
+  const ulong8 order = view.direction < 0 ? (ulong8)(3, 3, 2, 2, 1, 1, 0, 0)
+                                          : (ulong8)(0, 0, 1, 1, 2, 2, 3, 3);
+  const int groups = (max_disparity + 4) / 4;
+  ulong8 least = (ulong8)(NEVER);
+  for (int k = 0; k < groups; ++k) {
+    const int wanted = view.direction < 0 ? u - 4 * k - 3 : u + 4 * k;
     const int column = clamp(wanted, 2, view.width - 6);
     __global const ulong *p = (__global const ulong *)(other_above + (column - 2) * 16);
     __global const ulong *q = (__global const ulong *)(other_below + (column - 2) * 16);
     const ulong8 sums = sad4(a, vload8(0, p)) + sad4(b, vload8(1, p)) + sad4(c, vload8(0, q)) +
                         sad4(d, vload8(1, q));
-    const uint4 costs = convert_uint4(sums.even + sums.odd);
-    const uint4 ordered = view.direction < 0 ? costs.wzyx : costs;
-    const uint4 disparity = (uint4)((uint)first) + (uint4)(0, 1, 2, 3);
-    vstore4(((ordered << 8) | disparity) | as_uint4(as_int4(disparity) > (int4)(last)), 0,
-            keys + first);
+    const ulong8 costs = sums + sums.s10325476;
+    const ulong8 disparity = (ulong8)((ulong)(4 * k)) + order;
+    const ulong8 beyond = as_ulong8(disparity > (ulong8)((ulong)last));
+    keys[k] = (costs << 8) | disparity | beyond;
+    least = min(least, keys[k]);
   }
-  const int end = (max_disparity + 4) / 4 * 4;
-  vstore16((uint16)(NEVER), 0, keys + end);
+  const ulong best = least_of(least);
+  const int disparity = (int)(best & 255ul);
 
-  uint16 least = (uint16)(NEVER);
-  for (int k = 0; k < end; k += 16) least = min(least, vload16(0, keys + k));
-  const uint8 eight = min(least.lo, least.hi);
-  const uint4 four = min(eight.lo, eight.hi);
-  const uint best = min(min(four.x, four.y), min(four.z, four.w));
-  const int disparity = (int)(best & 255u);
-
-  for (int k = max(disparity - 1, 0); k <= disparity + 1; ++k) keys[k] = NEVER;
-  least = (uint16)(NEVER);
-  for (int k = 0; k < end; k += 16) least = min(least, vload16(0, keys + k));
-  const uint8 eight2 = min(least.lo, least.hi);
-  const uint4 four2 = min(eight2.lo, eight2.hi);
-  const uint second = min(min(four2.x, four2.y), min(four2.z, four2.w));
+  const ulong8 taken = (ulong8)((ulong)disparity);
+  least = (ulong8)(NEVER);
+  for (int k = 0; k < groups; ++k) {
+    // disparity - 1 .. disparity + 1 do not count.
+    const ulong8 off = (keys[k] & (ulong8)(255ul)) + (ulong8)(1) - taken;
+    least = min(least, keys[k] | as_ulong8(off <= (ulong8)(2)));
+  }
+  const ulong second = least_of(least);
 
   const uchar16 here =
       vload16((size_t)view.v * (size_t)view.width + (size_t)u, view.own);
   *distinct = texture16(here) >= texture && second != NEVER &&
-              100u * (best >> 8) <= (uint)ratio * (second >> 8);
+              100ul * (best >> 8) <= (ulong)ratio * (second >> 8);
   return disparity;
 }
 

@@ -36,12 +36,12 @@ static inline uint least_of_group(uint key, __local uint *keys) {
 // Stages columns base .. base + max_disparity + 4 of rows v - 2 and v + 2.
 static inline void stage(const View view, int base, int max_disparity, __local uchar16 *stretch) {
   const int count = max_disparity + 5;
-  for (int i = (int)get_local_id(0); i < 2 * count; i += GROUP) {
-    const int lower = i >= count ? 1 : 0;
-    const int column = clamp(base + i - lower * count, 0, view.width - 1);
-    const int row = view.v - 2 + 4 * lower;
-    stretch[lower * STRETCH + i - lower * count] =
-        vload16((size_t)row * (size_t)view.width + (size_t)column, view.other);
+  for (int i = (int)get_local_id(0); i < count; i += GROUP) {
+    const int column = clamp(base + i, 0, view.width - 1);
+    const size_t above = (size_t)(view.v - 2) * (size_t)view.width + (size_t)column;
+    const size_t below = (size_t)(view.v + 2) * (size_t)view.width + (size_t)column;
+    stretch[i] = vload16(above, view.other);
+    stretch[STRETCH + i] = vload16(below, view.other);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
 }
