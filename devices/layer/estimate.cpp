@@ -89,6 +89,7 @@ ItemEstimate fallback_estimate() {
   item.per_item[OpClass::float_fma] = 32;
   item.per_item.read_issued = 64;
   item.per_item.written_issued = 16;
+  item.per_item.kind = WorkKind::gather;
   item.iterations = 32;
   return item;
 }
@@ -107,7 +108,7 @@ std::shared_ptr<const ItemEstimate> estimate_of(cl_kernel handle, Kernel& kernel
 Work estimated_work(const ItemEstimate& estimate, std::uint64_t items, std::uint64_t reachable,
                     const ContainerKernel* circuit) {
   Work work;
-  work.kind = WorkKind::gather;
+  work.kind = estimate.per_item.kind;
   work.estimated = 1;
   for (std::size_t i = 0; i < kOpClasses; ++i) {
     work.ops[i] = times(estimate.per_item.ops[i], items);
@@ -117,6 +118,8 @@ Work estimated_work(const ItemEstimate& estimate, std::uint64_t items, std::uint
   work.local_bytes = times(estimate.per_item.local_bytes, items);
   work.read_unique = std::min(work.read_issued, reachable);
   work.written_unique = std::min(work.written_issued, reachable);
+  const bool reuses = work.read_issued / 4 > work.read_unique;
+  if (reuses && work.kind == WorkKind::stream) work.kind = WorkKind::dense;
   std::uint32_t depth = 100, ii = 1;
   if (circuit) {
     for (const ContainerLoop& loop : circuit->loops) {

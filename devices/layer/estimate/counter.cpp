@@ -100,6 +100,17 @@ Space space_of(llvm::Value* pointer) {
   return space && space->getZExtValue() == kLocal ? Space::local : Space::global;
 }
 
+/// Whether a loaded value goes into the address, within a few steps.
+bool depends_on_load(const llvm::Value* value, int steps) {
+  const auto* inst = llvm::dyn_cast<Instruction>(value);
+  if (!inst || steps == 0 || llvm::isa<llvm::PHINode>(inst)) return false;
+  if (llvm::isa<llvm::LoadInst>(inst)) return true;
+  if (llvm::isa<llvm::CallInst>(inst)) return false;
+  return std::any_of(inst->op_begin(), inst->op_end(), [&](const llvm::Use& operand) {
+    return depends_on_load(operand.get(), steps - 1);
+  });
+}
+
 bool one_of(llvm::StringRef name, std::initializer_list<llvm::StringRef> names) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -198,6 +209,7 @@ void Counter::memory(llvm::Value* pointer, std::uint64_t bytes, bool writes, Cou
       break;
     case Space::global:
       (writes ? count.work.written_issued : count.work.read_issued) += bytes;
+      if (depends_on_load(pointer, 8)) count.work.kind = WorkKind::gather;
       break;
   }
 }
@@ -235,6 +247,7 @@ void Counter::call(llvm::CallInst& inst, std::uint64_t n, Count& count) {
   count.work.written_issued += times(n, inner.work.written_issued);
   count.work.local_bytes += times(n, inner.work.local_bytes);
   count.iterations += times(n, inner.iterations);
+  if (inner.work.kind == WorkKind::gather) count.work.kind = WorkKind::gather;
 }
 
 void Counter::built_in(llvm::StringRef name, llvm::CallInst& inst, std::uint64_t n, Count& count) {

@@ -14,7 +14,7 @@ namespace partita::layer {
 
 /// Operations by class and bytes by direction, and the trips of the innermost loops together.
 struct Count {
-  Work work;
+  Work work;  ///< its kind: gather if an address depends on loaded data, else stream
   std::uint64_t iterations = 1;
 };
 
