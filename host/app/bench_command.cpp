@@ -1,12 +1,13 @@
 // partita bench: what our own software costs.
-#include <array>
-#include <cstdio>
-#include <sys/wait.h>
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+#include <stdlib.h>
 #include <thread>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
+#include "host/app/child.h"
 #include "host/app/command.h"
 #include "host/app/environment.h"
 #include "host/app/exit_code.h"
@@ -15,52 +16,43 @@
 namespace partita::app {
 namespace {
 
-struct Options {
+struct OverheadOptions {
   std::string machine = "gpu-only";
   int rounds = 7;
   bool child = false;  ///< internal: measure raw launches in this process and print them
 };
 
-/// The layer has to be there from a process's start, so each side is measured in a child of its
-/// own.
 std::vector<double> measure_in_child(const std::string& machine) {
-  std::array<int, 2> pipe_ends{};
-  if (pipe(pipe_ends.data()) != 0) throw Error("bench: no pipe to be had");
-  const pid_t child = fork();
-  if (child < 0) throw Error("bench: no process to be had");
-  if (child == 0) {
-    dup2(pipe_ends[1], STDOUT_FILENO);
-    close(pipe_ends[0]);
-    execl("/proc/self/exe", "partita", "bench", "overhead", "--child", "--machine", machine.c_str(),
-          static_cast<char*>(nullptr));
-    _exit(127);
-  }
-  close(pipe_ends[1]);
-  std::FILE* in = fdopen(pipe_ends[0], "r");
+  std::istringstream text(run_self({"bench", "overhead", "--child", "--machine", machine}));
   std::vector<double> values;
-  for (double value = 0; std::fscanf(in, "%lf", &value) == 1;) values.push_back(value);
-  std::fclose(in);
-  int status = 0;
-  waitpid(child, &status, 0);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || values.empty()) {
-    throw DeviceError(fmt::format("bench: the measurement on machine {} failed", machine));
-  }
+  for (double value = 0; text >> value;) values.push_back(value);
   return values;
 }
 
-int print_raw(const Options& options) {
-  set_emulation({.machine = options.machine});
+int print_raw_launches(const std::string& machine) {
+  set_emulation({.machine = machine});
   for (const runtime::Device& device : runtime::find_devices()) {
     if (!device.accepts_source) continue;
     for (const double ns : raw_launches(device, {})) fmt::print("{:.1f}\n", ns);
     return exit_ok;
   }
-  throw DeviceError(
-      fmt::format("bench: machine {} has no device that takes source", options.machine));
+  throw DeviceError(fmt::format("bench: machine {} has no device that takes source", machine));
 }
 
-int overhead(const Options& options, const Console& console) {
-  if (options.child) return print_raw(options);
+Json compared(double without, double with) {
+  return {{"without_ns", without},
+          {"with_ns", with},
+          {"added_ns", with - without},
+          {"ratio", with / without}};
+}
+
+void add_row(Table& table, const std::string& name, const Json& values) {
+  table.add({name, format_ns(values["without_ns"]), format_ns(values["with_ns"]),
+             format_ns(values["added_ns"]), fmt::format("{:.2f}", values["ratio"].get<double>())});
+}
+
+int overhead(const OverheadOptions& options, const Console& console) {
+  if (options.child) return print_raw_launches(options.machine);
   if (options.machine == kNativeMachine) {
     throw UsageError("bench: the overhead of the layer needs an emulated machine");
   }
@@ -79,58 +71,112 @@ int overhead(const Options& options, const Console& console) {
       device, {.batches = 15 * static_cast<std::size_t>(options.rounds)});
   bar.clear();
 
-  const double bare_ns = median(bare), layered_ns = median(layered);
-  const double raw_ns = median(pair.raw), framework_ns = median(pair.framework);
-  const Batches size;
   Json document;
   document["what"] = fmt::format(
       "median wall time per launch of a kernel that does nothing, in batches of {} with a "
       "clFinish; "
       "{} batches a side, in turns",
-      size.commands, bare.size());
+      Batches{}.commands, bare.size());
   document["device"] = device.name;
   document["cores"] = std::thread::hardware_concurrency();
-  document["measured"]["layer"] = {{"machine", options.machine},
-                                   {"without_ns", bare_ns},
-                                   {"with_ns", layered_ns},
-                                   {"added_ns", layered_ns - bare_ns},
-                                   {"ratio", layered_ns / bare_ns}};
-  document["measured"]["framework"] = {{"raw_ns", raw_ns},
-                                       {"framework_ns", framework_ns},
-                                       {"added_ns", framework_ns - raw_ns},
-                                       {"ratio", framework_ns / raw_ns}};
+  document["machine"] = options.machine;
+  Json& measured = document["measured"];
+  measured["layer"] = compared(median(bare), median(layered));
+  measured["framework"] = compared(median(pair.raw), median(pair.framework));
   Table table({"measured", "without", "with", "added", "ratio"});
-  const auto row = [&table](const std::string& name, double without, double with) {
-    table.add({name, format_ns(without), format_ns(with), format_ns(with - without),
-               fmt::format("{:.2f}", with / without)});
-  };
-  row("layer, per command", bare_ns, layered_ns);
-  row("framework, per launch", raw_ns, framework_ns);
+  add_row(table, "layer, per command", measured["layer"]);
+  add_row(table, "framework, per launch", measured["framework"]);
   console.result(fmt::format("{}On {}: {}.\n", table.to_string(console.colour()), device.name,
                              document["what"].get<std::string>()),
                  document);
   return exit_ok;
 }
 
+/// A folder for caches and results, removed at the end.
+class Scratch {
+ public:
+  Scratch() : path_((std::filesystem::temp_directory_path() / "partita-XXXXXX").string()) {
+    if (mkdtemp(path_.data()) == nullptr) throw OutputError(path_ + ": cannot be created");
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+int start(const std::string& machine, int runs, const Console& console) {
+  const Scratch scratch;
+  Table table({"run", "start to first frame", "of that warm-up"});
+  Json list = Json::array();
+  std::vector<double> later;
+  ProgressBar bar(console, "bench start", static_cast<std::size_t>(runs) + 1);
+  for (int i = 0; i <= runs; ++i) {
+    const Json summary = Json::parse(run_self(
+        {"run", "--scenario", "--frames", "1", "--machine", machine, "--out",
+         scratch.path() + "/out", "--quiet", "--json"},
+        {{"XDG_CACHE_HOME", scratch.path()}, {"POCL_CACHE_DIR", scratch.path() + "/pocl"}}));
+    const double total = summary["measured"]["start_up_s"];
+    const double warm_up = summary["measured"]["warm_up_s"];
+    if (i > 0) later.push_back(total);
+    const char* name = i == 0 ? "first, nothing cached" : "later";
+    table.add({name, fmt::format("{:.3f} s", total), fmt::format("{:.3f} s", warm_up)});
+    list.push_back({{"run", name}, {"start_up_s", total}, {"warm_up_s", warm_up}});
+    bar.update(static_cast<std::size_t>(i) + 1);
+  }
+  bar.clear();
+  Json document;
+  document["machine"] = machine;
+  document["measured"] = {{"runs", list}, {"later_median_s", median(later)}};
+  console.result(fmt::format("{}Median of the later runs: {:.3f} s from the process's start to the "
+                             "first frame, on machine {}.\n",
+                             table.to_string(console.colour()), median(later), machine),
+                 document);
+  return exit_ok;
+}
+
+void add_overhead(CLI::App& bench, Context& context) {
+  CLI::App* command = add_subcommand(
+      bench, context, "overhead",
+      "Time added per command by the layer, and per launch by the runtime, above raw OpenCL",
+      "partita bench overhead\npartita bench overhead --rounds 15 --json");
+  auto options = std::make_shared<OverheadOptions>();
+  add_machine_option(command, options->machine);
+  command->add_option("--rounds", options->rounds, "Pairs of processes")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_flag("--child", options->child)->group("");  // hidden
+  command->callback([options, &context] {
+    context.action = [options, &context] { return overhead(*options, context.console); };
+  });
+}
+
+void add_start(CLI::App& bench, Context& context) {
+  CLI::App* command = add_subcommand(
+      bench, context, "start", "Time from the start of `partita run` to its first frame",
+      "partita bench start\npartita bench start --machine native --runs 5 --json");
+  auto machine = std::make_shared<std::string>("dragonfly");
+  auto runs = std::make_shared<int>(3);
+  add_machine_option(command, *machine);
+  command->add_option("--runs", *runs, "Runs after the first, which has nothing cached")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->callback([machine, runs, &context] {
+    context.action = [machine, runs, &context] { return start(*machine, *runs, context.console); };
+  });
+}
+
 }  // namespace
 
 void add_bench(CLI::App& app, Context& context) {
   CLI::App* command = add_subcommand(app, context, "bench", "Measure what Partita itself costs",
-                                     "partita bench overhead\npartita bench overhead --json");
+                                     "partita bench overhead\npartita bench start --json");
   command->require_subcommand(1);
-  CLI::App* overhead_command = add_subcommand(
-      *command, context, "overhead",
-      "Time added per command by the layer, and per launch by the runtime, above raw OpenCL",
-      "partita bench overhead\npartita bench overhead --rounds 15 --json");
-  auto options = std::make_shared<Options>();
-  add_machine_option(overhead_command, options->machine);
-  overhead_command->add_option("--rounds", options->rounds, "Pairs of processes")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  overhead_command->add_flag("--child", options->child)->group("");  // hidden
-  overhead_command->callback([options, &context] {
-    context.action = [options, &context] { return overhead(*options, context.console); };
-  });
+  add_overhead(*command, context);
+  add_start(*command, context);
 }
 
 }  // namespace partita::app

@@ -18,8 +18,8 @@ const Places& places();
 struct EmulationOptions {
   std::string machine = "dragonfly";  ///< name or file; "native": no layer at all
   bool allow_source = false;          ///< lift the FPGA's no-source rule
-  std::string fault = {};                  ///< fault injection, see docs; empty: none
-  std::string record = {};                 ///< file for the record at process exit; empty: none
+  std::string fault = {};             ///< fault injection, see docs; empty: none
+  std::string record = {};            ///< file for the record at process exit; empty: none
 };
 
 inline constexpr const char* kNativeMachine = "native";

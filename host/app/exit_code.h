@@ -2,6 +2,9 @@
 #ifndef PARTITA_HOST_APP_EXIT_CODE_H
 #define PARTITA_HOST_APP_EXIT_CODE_H
 
+#include <exception>
+#include <stdexcept>
+
 #include "host/runtime/error.h"
 
 namespace partita::app {
@@ -35,6 +38,22 @@ class OutputError : public Error {
  public:
   using Error::Error;
 };
+
+/// Ctrl-C; nothing more to say than that.
+class Interrupted : public std::exception {};
+
+/// Runs a function that writes results: what goes wrong there is the output's fault, whatever it
+/// was.
+template <typename Function>
+auto output(Function&& function) {
+  try {
+    return function();
+  } catch (const OutputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw OutputError(error.what());
+  }
+}
 
 }  // namespace partita::app
 

@@ -1,8 +1,12 @@
 // partita generate: the built-in scenario as files, in KITTI's layout.
+#include <filesystem>
+
 #include <fmt/format.h>
 
 #include "host/app/command.h"
 #include "host/app/exit_code.h"
+#include "host/app/stop.h"
+#include "host/io/output_folder.h"
 #include "host/tasks/sensing/kitti_write.h"
 
 namespace partita::app {
@@ -10,14 +14,27 @@ namespace {
 
 struct GenerateOptions {
   std::string out;
+  bool force = false;
   sensing::ScenarioOptions scenario;
 };
 
 int generate(const GenerateOptions& options, const Console& console) {
+  std::error_code code;
+  const bool occupied = std::filesystem::is_directory(options.out, code) &&
+                        !std::filesystem::is_empty(options.out, code);
+  if (occupied && !io::is_partial(options.out) && !options.force) {
+    throw OutputError(
+        fmt::format("{}: is not empty; choose another --out or add --force", options.out));
+  }
   const auto source = sensing::open_scenario(options.scenario);
   ProgressBar bar(console, "generating", source->size());
-  sensing::write_kitti(*source, options.out,
-                       [&bar](std::size_t done, std::size_t) { bar.update(done); });
+  catch_stop_signals();
+  output([&] {
+    sensing::write_kitti(*source, options.out, [&bar](std::size_t done, std::size_t) {
+      bar.update(done);
+      if (stop_requested()) throw Interrupted();
+    });
+  });
   bar.clear();
   Json document;
   document["out"] = options.out;
@@ -44,6 +61,7 @@ void add_generate(CLI::App& app, Context& context) {
   auto options = std::make_shared<GenerateOptions>();
   sensing::ScenarioOptions& scenario = options->scenario;
   command->add_option("-o,--out", options->out, "Folder to write")->required();
+  command->add_flag("--force", options->force, "Write into a folder that is not empty");
   command->add_option("--seed", scenario.seed, "Another seed is another street")
       ->capture_default_str();
   command->add_option("--frames", scenario.frames, "Stereo frames")

@@ -86,6 +86,8 @@ int main(int argc, char** argv) {
   };
   try {
     return app::parse_and_run(argc, argv, context);
+  } catch (const app::Interrupted&) {
+    return fail("interrupted; what was finished is marked as partial", app::exit_interrupted);
   } catch (const app::UsageError& error) {
     return fail(error.what(), app::exit_usage);
   } catch (const app::OutputError& error) {

@@ -25,20 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What goes wrong while a result is written is the output's fault, whatever it was.
-template <typename Function>
-auto output(Function&& function) {
-  try {
-    return function();
-  } catch (const OutputError&) {
-    throw;
-  } catch (const Error& error) {
-    throw OutputError(error.what());
-  } catch (const profile::Error& error) {
-    throw OutputError(error.what());
-  }
-}
-
 /// An earlier run's folder may be overwritten; somebody else's files may not.
 void refuse_foreign_folder(const std::string& path, bool force) {
   std::error_code code;

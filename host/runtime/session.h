@@ -26,11 +26,11 @@ struct SessionOptions {
   Execute execute = Execute::own;
   /// Runs and charges this text instead of the device's own: for verifying a GPU's or an FPGA's
   /// variant on any device that takes source.
-  std::optional<Variant> variant;
+  std::optional<Variant> variant = {};
   /// Container (xclbin) with all kernels, for a device that does not accept source.
-  std::string container;
+  std::string container = {};
   /// Folder for cached binaries; empty: the user's cache folder; "-": no cache.
-  std::string cache_folder;
+  std::string cache_folder = {};
 };
 
 class Session {
