@@ -20,7 +20,7 @@ typedef struct {
 } View;
 
 // The least of all work-items' keys; every work-item gets it.
-static inline uint least_of_group(uint key, __local uint *keys) {
+ALWAYS_INLINE uint least_of_group(uint key, __local uint *keys) {
   const int lane = (int)get_local_id(0);
   keys[lane] = key;
   for (int step = GROUP / 2; step > 0; step /= 2) {
@@ -34,7 +34,7 @@ static inline uint least_of_group(uint key, __local uint *keys) {
 }
 
 // Stages columns base .. base + max_disparity + 4 of rows v - 2 and v + 2.
-static inline void stage(const View view, int base, int max_disparity, __local uchar16 *stretch) {
+ALWAYS_INLINE void stage(const View view, int base, int max_disparity, __local uchar16 *stretch) {
   const int count = max_disparity + 5;
   for (int i = (int)get_local_id(0); i < count; i += GROUP) {
     const int column = clamp(base + i, 0, view.width - 1);
@@ -46,7 +46,7 @@ static inline void stage(const View view, int base, int max_disparity, __local u
   barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-static inline int match(const View view, int u, int max_disparity, int texture, int ratio,
+ALWAYS_INLINE int match(const View view, int u, int max_disparity, int texture, int ratio,
                         int *distinct, __local uchar16 *stretch, __local uint *scratch) {
   const int base = view.direction < 0 ? u - max_disparity - 2 : u - 2;
   stage(view, base, max_disparity, stretch);
@@ -98,22 +98,21 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void support_match(
   const int row = (int)get_group_id(1);
   const int u = i * step;
   const int v = row * step;
-  short found = -1;
-  // The same for the whole group: its barriers stay together.
-  if (v >= MARGIN && v < height - MARGIN && u >= MARGIN && u < width - MARGIN) {
-    const View left_view = {left, right, -1, width, v};
-    const View right_view = {right, left, 1, width, v};
-    int distinct = 0;
-    int distinct_back = 0;
-    const int d =
-        match(left_view, u, max_disparity, texture, ratio, &distinct, stretch, scratch);
-    const int back = match(right_view, u - d, max_disparity, texture, ratio, &distinct_back,
-                           stretch, scratch);
-    if (distinct != 0 && distinct_back != 0 && max(d, back) - min(d, back) <= lr_threshold) {
-      found = (short)d;
-    }
-  }
+  // Points at the border go through the motions at the nearest place inside and are dropped: no
+  // barrier stands under a condition.
+  const int inner_u = clamp(u, MARGIN, width - 1 - MARGIN);
+  const int inner_v = clamp(v, MARGIN, height - 1 - MARGIN);
+  const View left_view = {left, right, -1, width, inner_v};
+  const View right_view = {right, left, 1, width, inner_v};
+  int distinct = 0;
+  int distinct_back = 0;
+  const int d =
+      match(left_view, inner_u, max_disparity, texture, ratio, &distinct, stretch, scratch);
+  const int back = match(right_view, inner_u - d, max_disparity, texture, ratio, &distinct_back,
+                         stretch, scratch);
+  const bool good = u == inner_u && v == inner_v && distinct != 0 && distinct_back != 0 &&
+                    max(d, back) - min(d, back) <= lr_threshold;
   if (get_local_id(0) == 0) {
-    grid[(size_t)row * get_num_groups(0) + (size_t)i] = found;
+    grid[(size_t)row * get_num_groups(0) + (size_t)i] = (short)(good ? d : -1);
   }
 }
