@@ -47,7 +47,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void match_window(
       for (int i = starts[row_cell + range.column0]; i < to; ++i) {
         const int2 train = positions[i];
         const int inside = train.x >= x0 && train.x <= x1 && train.y >= y0 && train.y <= y1;
-        const int distance = hamming(descriptor, descriptors[i]);
+        const int distance = hamming_words(descriptor, descriptors[i]);
         const uint key = ((uint)distance << 16) | (uint)i;
         if (inside) {
           second = min(second, key < best ? (int)(best >> 16) : distance);

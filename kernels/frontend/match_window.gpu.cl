@@ -41,7 +41,7 @@ __kernel __attribute__((reqd_work_group_size(LANES, PER_GROUP, 1))) void match_w
       for (int i = from + lane; i < to; i += LANES) {
         const int4 train = trains[i];
         if (train.x < x0 || train.x > x1 || train.y < y0 || train.y > y1) continue;
-        const int distance = hamming(descriptor, train_descriptors[i]);
+        const int distance = hamming_words(descriptor, train_descriptors[i]);
         const uint key = ((uint)distance << 16) | (uint)i;
         second = min(second, key < best ? (int)(best >> 16) : distance);
         best = min(best, key);

@@ -1,18 +1,20 @@
 // The best corners of every cell (see the GPU's text for what they are).
 // Assumes: width, height > 2 BORDER, at most 4096; stride == width; cell even, at least 2.
 // One work-item per row of cells. Sixteen pixels at a time, as most have no score at all; survivors
-// are inserted into their cell's slots in place.
+// are inserted into their cell's keys, which are written out at the end.
 #include "frontend/common.clh"
+
+#define MAX_COLUMNS 2048
 
 static inline int any_set(uchar16 v) {
   const ulong2 words = as_ulong2(v);
   return (words.x | words.y) != 0;
 }
 
-static inline void insert(__global uint* slots, uint key) {
+static inline void insert(__private uint* keys, uint key) {
   for (int i = 0; i < PER_CELL && key != 0; ++i) {
-    const uint old = slots[i];
-    slots[i] = max(old, key);
+    const uint old = keys[i];
+    keys[i] = max(old, key);
     key = min(old, key);
   }
 }
@@ -41,8 +43,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void select_cells(
     int cell, int first_cell, int threshold_high) {
   const int columns = (width - 2 * BORDER + cell - 1) / cell;
   const int grid_row = (int)get_global_id(0);
-  __global uint* row_slots = slots + (first_cell + grid_row * columns) * PER_CELL;
-  for (int i = 0; i < columns * PER_CELL; ++i) row_slots[i] = 0;
+  uint keys[MAX_COLUMNS * PER_CELL];
+  for (int i = 0; i < columns * PER_CELL; ++i) keys[i] = 0;
 
   const int right = width - BORDER;
   const int top = BORDER + grid_row * cell;
@@ -59,22 +61,23 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void select_cells(
       vstore16(s, 0, lanes);
       for (int l = 0; l < 16; ++l) {
         if (lanes[l] != 0) {
-          insert(row_slots + (x + l - BORDER) / cell * PER_CELL, corner_key(lanes[l], x + l, y));
+          insert(keys + (x + l - BORDER) / cell * PER_CELL, corner_key(lanes[l], x + l, y));
         }
       }
     }
     for (; x < right; ++x) {
       const uchar s = row[x] != 0 ? survives(row + x, width) : (uchar)0;
-      if (s != 0) insert(row_slots + (x - BORDER) / cell * PER_CELL, corner_key(s, x, y));
+      if (s != 0) insert(keys + (x - BORDER) / cell * PER_CELL, corner_key(s, x, y));
     }
   }
 
   const uint high = (uint)threshold_high;
+  __global uint* row_slots = slots + (first_cell + grid_row * columns) * PER_CELL;
   for (int i = 0; i < columns; ++i) {
-    __global uint* of_cell = row_slots + i * PER_CELL;
-    if ((of_cell[0] >> 24) <= high) continue;
-    for (int k = 1; k < PER_CELL; ++k) {
-      if ((of_cell[k] >> 24) <= high) of_cell[k] = 0;
+    __private const uint* of_cell = keys + i * PER_CELL;
+    const int has_high = (of_cell[0] >> 24) > high;
+    for (int k = 0; k < PER_CELL; ++k) {
+      row_slots[i * PER_CELL + k] = has_high && (of_cell[k] >> 24) <= high ? 0u : of_cell[k];
     }
   }
 }

@@ -12,12 +12,21 @@ constexpr int kStereoRange = 5;  ///< pixels of the level, either side
 constexpr int kTemporalRange = 2;
 constexpr int kNoRatio = 256;  ///< both directions agree: that is the test of uniqueness
 
-/// Pairs of features of one level that fall into a window, if features lay evenly.
-std::int64_t expected_candidates(Size size, std::int64_t queries, std::int64_t trains,
-                                 const Window& window) {
-  const std::int64_t area = std::int64_t{window.x_most - window.x_least + 256} *
-                            (window.y_most - window.y_least + 256) / (256 * 256);
-  return std::max<std::int64_t>(queries, queries * trains * area / (2 * size.pixels()));
+/// What the searches of a window meet if features lie evenly over both levels.
+runtime::Shape with_expected_visits(const runtime::Shape& shape, std::int64_t searched,
+                                    const Window& window) {
+  const double cell = static_cast<double>(shape["cell0"]);
+  const double across = (window.x_most - window.x_least) / 256.0 + 1;
+  const double down = (window.y_most - window.y_least) / 256.0 + 1;
+  const double per_pixel = static_cast<double>(shape["trains"]) / 2 /
+                           static_cast<double>(shape["width"] * shape["height"]);
+  const auto count = [searched](double per_query) {
+    return static_cast<std::int64_t>(static_cast<double>(searched) * per_query);
+  };
+  return shape.with("searched", searched)
+      .with("rows", count(down / cell + 1))
+      .with("visited", count((across + cell) * (down + cell) * per_pixel))
+      .with("candidates", count(across * down * per_pixel));
 }
 
 }  // namespace
@@ -48,17 +57,13 @@ void Associator::match(const DeviceFeatures& queries, const DeviceFeatures& trai
   const int cell0 = extractor_.grid(0).cell;
   const int cell1 = extractor_.grid(1).cell;
   const runtime::Shape shape{
-      {"width", size.width},
-      {"height", size.height},
-      {"cell0", cell0},
-      {"cell1", cell1},
-      {"queries", queries.features},
-      {"trains", trains.features},
-      {"candidates", expected_candidates(size, searched, trains.features, window)}};
-  match_window_.launch(shape, queries.keypoints, queries.descriptors, shifts, trains.keypoints,
-                       trains.descriptors, trains.cell_start, matches, queries.features, size.width,
-                       size.height, cell0, cell1, window.x_least, window.x_most, window.y_least,
-                       window.y_most, max_hamming, ratio_q8);
+      {"width", size.width}, {"height", size.height},       {"cell0", cell0},
+      {"cell1", cell1},      {"queries", queries.features}, {"trains", trains.features}};
+  match_window_.launch(with_expected_visits(shape, searched, window), queries.keypoints,
+                       queries.descriptors, shifts, trains.keypoints, trains.descriptors,
+                       trains.cell_start, matches, queries.features, size.width, size.height, cell0,
+                       cell1, window.x_least, window.x_most, window.y_least, window.y_most,
+                       max_hamming, ratio_q8);
 }
 
 std::vector<RefinedMatch> Associator::refine(const DeviceFeatures& a, const DeviceFeatures& b,

@@ -15,8 +15,10 @@ const runtime::KernelSpec& gaussian_blur_spec();  ///< width height
 const runtime::KernelSpec& select_cells_spec();   ///< width height cell
 const runtime::KernelSpec& compact_spec();        ///< cells keypoints
 const runtime::KernelSpec& describe_spec();       ///< width height keypoints
-/// width height cell0 cell1 queries trains candidates (pairs inside the windows: exact in a check,
-/// expected from the density of the features in a run, where nobody has counted them beforehand)
+/// width height cell0 cell1 queries trains, and what the search meets: searched (queries with a
+/// prediction), rows (runs of cells), visited (features in them), candidates (those inside the
+/// windows): exact in a check, in a run expected from the features' density, as nobody has counted
+/// them beforehand
 const runtime::KernelSpec& match_window_spec();
 const runtime::KernelSpec& invert_matches_spec();  ///< queries trains
 /// width height queries matches range_x range_y

@@ -24,31 +24,85 @@ int value_of(const HostArray& array) {
 }
 
 Work match_work(Variant variant, const Shape& shape) {
-  const auto queries = static_cast<std::uint64_t>(shape["queries"]);
-  const auto trains = static_cast<std::uint64_t>(shape["trains"]);
-  const auto candidates = static_cast<std::uint64_t>(shape["candidates"]);
+  const auto count = [&shape](const char* name) { return static_cast<std::uint64_t>(shape[name]); };
+  const std::uint64_t queries = count("queries");
+  const std::uint64_t trains = count("trains");
+  const std::uint64_t searched = count("searched");
+  const std::uint64_t rows = count("rows");
+  const std::uint64_t visited = count("visited");
+  const std::uint64_t candidates = count("candidates");
   const Size size = size_of(shape);
-  const auto cells = static_cast<std::uint64_t>(
-      make_grid(size, static_cast<int>(shape["cell0"])).cells() +
-      make_grid(level_size(size, 1), static_cast<int>(shape["cell1"])).cells());
+  const int cell0 = static_cast<int>(shape["cell0"]);
+  const int cell1 = static_cast<int>(shape["cell1"]);
+  const auto cells = static_cast<std::uint64_t>(make_grid(size, cell0).cells() +
+                                                make_grid(level_size(size, 1), cell1).cells());
+  // Visited: four comparisons with the window. Candidates: 256 bits xor-ed and counted word by
+  // word, and the running best and second. A query: its window and the cells of it.
   Work work;
   work.kind = WorkKind::gather;
-  // A candidate: four comparisons, 256 bits counted without a special instruction, two minima. The
-  // features in the window's cells but outside of the window are taken as as many again, four each.
-  work[OpClass::int_add] = candidates * (4 + 102 + 6) + candidates * 4 + queries * 60;
-  work[OpClass::int_special] = queries * 6;
-  work.read_issued = candidates * (48 + 16) + queries * (16 + 32 + 8 + 16);
-  work.read_unique = queries * (16 + 32 + 8) + std::min(trains, candidates) * 48 + cells * 4;
+  work[OpClass::int_add] = visited * 4 + candidates * (103 + 6) + searched * 30;
+  work[OpClass::int_mul] = candidates * 8;
+  work[OpClass::int_special] = searched * 4;
   work.written_issued = work.written_unique = queries * 8;
+  work.read_unique = queries * 56 + std::min(trains, visited) * 48 + cells * 4;
+  // On the GPU all 32 work-items of a query read the query and the runs' ends.
+  const std::uint64_t lanes = variant == Variant::gpu ? 32 : 1;
+  work.read_issued =
+      lanes * (queries * 8 + searched * 48 + rows * 8) + visited * 16 + candidates * 32;
   if (variant == Variant::gpu) work.local_bytes = queries * (32 * 8 + 31 * 16);
   if (variant == Variant::fpga) {
-    work.read_issued = work.read_unique = queries * (16 + 32 + 8) + trains * 48 + cells * 4;
+    work[OpClass::int_add] = visited * (4 + 103 + 6) + queries * 30;  // distances of all visited
+    work[OpClass::int_mul] = visited * 8;
+    work.read_issued = work.read_unique = queries * 56 + trains * 40 + cells * 4;
     work.add_loop(cells + 1, 1, 30);
     work.add_loop(trains, 2, 30);   // 48 bytes on a port of 32 bytes a cycle
-    work.add_loop(queries, 40, 0);  // fetching a query, finding its cells, filling the pipeline
-    work.add_loop(2 * candidates, 1, 0);
+    work.add_loop(queries, 40, 0);  // fetching a query, finding its cells
+    work.add_loop(rows, 12, 0);     // filling the pipeline for every run
+    work.add_loop(visited, 1, 0);   // carried: a minimum and a select
   }
   return work;
+}
+
+/// What a search visits: the runs of cells (one per grid row) and the features in them.
+struct Visits {
+  std::int64_t rows = 0;
+  std::int64_t features = 0;
+  std::int64_t candidates = 0;
+};
+
+/// First and last cell in one direction that can hold positions of least..most (q8, original).
+std::pair<int, int> cells_between(int least, int most, int level, int cell, int cells) {
+  const auto to_level = [level](int q8) {
+    return level == 0 ? q8 >> 8 : std::max(q8, 0) * 5 / 1536 - 1;
+  };
+  const int first = std::max(to_level(least) - kBorder, 0) / cell;
+  const int behind = to_level(most) + 2 - kBorder;
+  return {first, behind < 0 ? -1 : std::min(behind / cell, cells - 1)};
+}
+
+void count_visits(const Keypoint& query, Shift shift, const Window& window,
+                  std::span<const Keypoint> trains, const Grid& grid, Visits& visits) {
+  const int x = query.x_q8 + shift.x_q8;
+  const int y = query.y_q8 + shift.y_q8;
+  const auto [column0, column1] =
+      cells_between(x + window.x_least, x + window.x_most, query.level(), grid.cell, grid.columns);
+  const auto [row0, row1] =
+      cells_between(y + window.y_least, y + window.y_most, query.level(), grid.cell, grid.rows);
+  if (column0 > column1) return;
+  visits.rows += std::max(0, row1 - row0 + 1);
+  for (const Keypoint& train : trains) {
+    const int column = (train.x() - kBorder) / grid.cell;
+    const int row = (train.y() - kBorder) / grid.cell;
+    if (train.level() != query.level() || column < column0 || column > column1 || row < row0 ||
+        row > row1) {
+      continue;
+    }
+    ++visits.features;
+    const int dx = train.x_q8 - x;
+    const int dy = train.y_q8 - y;
+    visits.candidates +=
+        dx >= window.x_least && dx <= window.x_most && dy >= window.y_least && dy <= window.y_most;
+  }
 }
 
 /// The queries resemble the features to search: moved, some bits flipped, some not to be matched.
@@ -57,32 +111,39 @@ KernelCase match_case(const Shape& shape, std::uint32_t seed) {
   const int cell0 = static_cast<int>(shape["cell0"]);
   const int cell1 = static_cast<int>(shape["cell1"]);
   Random random(seed);
-  const auto list =
-      random_features(size, make_grid(size, cell0), make_grid(level_size(size, 1), cell1), random);
+  const Grid grid0 = make_grid(size, cell0);
+  const Grid grid1 = make_grid(level_size(size, 1), cell1);
+  const auto list = random_features(size, grid0, grid1, random);
   const auto train_descriptors = random_descriptors(list.keypoints.size(), random);
   const auto window = seed % 2 == 0 ? Window{-60 * 256, 0, -2 * 256, 2 * 256}
                                     : Window{-24 * 256, 24 * 256, -24 * 256, 24 * 256};
   std::vector<Keypoint> queries = list.keypoints;
   std::vector<Descriptor> query_descriptors = train_descriptors;
   std::vector<Shift> shifts(queries.size());
-  std::int64_t candidates = 0;
+  Visits visits;
+  std::int64_t searched = 0;
   for (std::size_t i = 0; i < queries.size(); ++i) {
     queries[i].x_q8 += random.between(-10 * 256, 30 * 256);
     queries[i].y_q8 += random.between(-3 * 256, 3 * 256);
     query_descriptors[i][i % 8] ^= random.next() & random.next();
     query_descriptors[i][(i + 3) % 8] ^= i % 3 == 0 ? 0xFFFFFFFFu : 0u;
-    const bool skipped = random.next() % 8 == 0;
-    shifts[i] = skipped ? Shift{kNoPrediction, 0}
-                        : Shift{random.between(-512, 512), random.between(-512, 512)};
-    for (const Keypoint& train : list.keypoints) {
-      const int dx = train.x_q8 - queries[i].x_q8 - shifts[i].x_q8;
-      const int dy = train.y_q8 - queries[i].y_q8 - shifts[i].y_q8;
-      candidates += !skipped && train.level() == queries[i].level() && dx >= window.x_least &&
-                    dx <= window.x_most && dy >= window.y_least && dy <= window.y_most;
+    if (random.next() % 8 == 0) {
+      shifts[i] = {kNoPrediction, 0};
+      continue;
     }
+    shifts[i] = {random.between(-512, 512), random.between(-512, 512)};
+    ++searched;
+    count_visits(queries[i], shifts[i], window, list.keypoints,
+                 queries[i].level() == 0 ? grid0 : grid1, visits);
   }
   const auto count = static_cast<std::int64_t>(queries.size());
-  return {shape.with("queries", count).with("trains", count).with("candidates", candidates),
+  const Shape counted = shape.with("queries", count)
+                            .with("trains", count)
+                            .with("searched", searched)
+                            .with("rows", visits.rows)
+                            .with("visited", visits.features)
+                            .with("candidates", visits.candidates);
+  return {counted,
           {array_of<Keypoint>(queries, ElementType::i32),
            array_of<Descriptor>(query_descriptors, ElementType::u32),
            array_of<Shift>(shifts, ElementType::i32),
@@ -134,8 +195,7 @@ KernelSpec make_match() {
   spec.golden = match_golden;
   const auto shape = [](std::int64_t width, std::int64_t height, std::int64_t cell0,
                         std::int64_t cell1) {
-    return Shape{{"width", width}, {"height", height}, {"cell0", cell0}, {"cell1", cell1},
-                 {"queries", 0},   {"trains", 0},      {"candidates", 0}};
+    return Shape{{"width", width}, {"height", height}, {"cell0", cell0}, {"cell1", cell1}};
   };
   spec.small_shapes = {shape(64, 64, 30, 20), shape(90, 70, 16, 30)};
   spec.shapes = {shape(301, 64, 8, 8), shape(1226, 370, 38, 36), shape(1280, 720, 56, 56)};
@@ -220,13 +280,15 @@ Work refine_work(Variant variant, const Shape& shape) {
   work[OpClass::int_add] = matches * (positions * 121 * 3 + positions + 12);
   work[OpClass::int_mul] = matches * 4;
   work[OpClass::int_special] = matches * 2;
-  const std::uint64_t lists = queries * 16 + matches * 32;
-  work.read_issued = lists + matches * (121 + window);
+  const std::uint64_t lists = queries * 8 + matches * (8 + 32);
+  work.read_issued = queries * 4 + matches * (36 + 121 + window);
   work.read_unique =
       lists + std::min(matches * (121 + window), 2 * (pixels(size) + pixels(level_size(size, 1))));
   work.written_issued = work.written_unique = queries * 16;
   if (variant == Variant::cpu) work.read_issued = lists + matches * 11 * 16 * (1 + positions);
   if (variant == Variant::gpu) {
+    // All 32 work-items look up the match and both keypoints.
+    work.read_issued = 32 * (queries * 4 + matches * 36) + matches * (121 + window);
     work.local_bytes = matches * (121 + window + positions * (242 + 4) + positions * 4);
   }
   if (variant == Variant::fpga) {
