@@ -10,13 +10,25 @@ namespace {
 
 using runtime::Variant;
 
-TEST(DepthKernelsSmall, Cpu) { check_variant(depth::kernel_specs(), Variant::cpu, false); }
-TEST(DepthKernelsSmall, Gpu) { check_variant(depth::kernel_specs(), Variant::gpu, false); }
-TEST(DepthKernelsSmall, Fpga) { check_variant(depth::kernel_specs(), Variant::fpga, false); }
+TEST(DepthKernelsSmall, Cpu) {
+  check_variant(depth::kernel_specs(), Variant::cpu, false);
+}
+TEST(DepthKernelsSmall, Gpu) {
+  check_variant(depth::kernel_specs(), Variant::gpu, false);
+}
+TEST(DepthKernelsSmall, Fpga) {
+  check_variant(depth::kernel_specs(), Variant::fpga, false);
+}
 
-TEST(DepthKernels, CpuAllShapes) { check_variant(depth::kernel_specs(), Variant::cpu, true); }
-TEST(DepthKernels, GpuAllShapes) { check_variant(depth::kernel_specs(), Variant::gpu, true); }
-TEST(DepthKernels, FpgaAllShapes) { check_variant(depth::kernel_specs(), Variant::fpga, true); }
+TEST(DepthKernels, CpuAllShapes) {
+  check_variant(depth::kernel_specs(), Variant::cpu, true);
+}
+TEST(DepthKernels, GpuAllShapes) {
+  check_variant(depth::kernel_specs(), Variant::gpu, true);
+}
+TEST(DepthKernels, FpgaAllShapes) {
+  check_variant(depth::kernel_specs(), Variant::fpga, true);
+}
 
 }  // namespace
 }  // namespace partita::tests
