@@ -71,11 +71,15 @@ class Frontend::Impl {
     reference_.features = extractor_.allocate();
   }
 
-  FrontendResult process(const GrayImage& left, const GrayImage& right, std::int64_t frame);
+  FrontendResult process(const GrayImage& left, const GrayImage& right, std::int64_t frame) {
+    session_.extension().set_label("frontend", frame);
+    return step(left, right, frame);
+  }
   void reset();
   void warm_up();
 
  private:
+  FrontendResult step(const GrayImage& left, const GrayImage& right, std::int64_t frame);
   void check_image(const GrayImage& image, const char* which) const;
   void extract(const GrayImage& left, const GrayImage& right);
   void place_points(const std::vector<RefinedMatch>& stereo, Reference& current,
@@ -218,15 +222,14 @@ void Frontend::Impl::localize(FrontendResult& result) {
   result.T_world_cam = last_T_world_cam_ * scaled_motion(velocity_, since_last).inverse();
 }
 
-FrontendResult Frontend::Impl::process(const GrayImage& left, const GrayImage& right,
-                                       std::int64_t frame) {
+FrontendResult Frontend::Impl::step(const GrayImage& left, const GrayImage& right,
+                                    std::int64_t frame) {
   check_image(left, "left");
   check_image(right, "right");
   if (frame <= last_frame_) {
     throw Error(
         fmt::format("frontend: frame {} after frame {}, expected a later one", frame, last_frame_));
   }
-  session_.extension().set_label("frontend", frame);
   extract(left, right);
 
   FrontendResult result;
@@ -265,9 +268,10 @@ void Frontend::Impl::warm_up() {
   const Size size = extractor_.size();
   const GrayImage left = textured_image(size, 1);
   const GrayImage right = moved_image(left, -8, 0);
+  session_.extension().set_label("frontend warm-up", -1);
   reset();
-  process(left, right, 0);
-  process(moved_image(left, 1, 1), moved_image(right, 1, 1), 1);
+  step(left, right, 0);
+  step(moved_image(left, 1, 1), moved_image(right, 1, 1), 1);
   session_.finish();
   reset();
 }
