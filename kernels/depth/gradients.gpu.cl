@@ -9,7 +9,7 @@
 static inline uchar squeeze(int response) { return (uchar)clamp(128 + (response >> 2), 0, 255); }
 
 // Fills a tile of (TILE_X + 2 reach) x (TILE_Y + 2 reach) pixels around the work-group's own.
-ALWAYS_INLINE void load_tile(__global const uchar *restrict image, int width, int height,
+ALWAYS_INLINE void load_tile(__global const uchar *image, int width, int height,
                              __local uchar *tile, int reach) {
   const int columns = TILE_X + 2 * reach;
   const int left = (int)get_group_id(0) * TILE_X - reach;

@@ -46,8 +46,8 @@ Work dense_work(Variant variant, const Shape& shape) {
   work.written_unique = work.written_issued = 2 * pixels;
   switch (variant) {
     case Variant::cpu:
-      // Own descriptors once for the list and once for the texture, and again for the plane.
-      work.read_issued = pixels * (2 * kDescriptorBytes + 2) + entries * kDescriptorBytes +
+      // Own descriptors once for the list and the texture, and again for each pixel with a plane.
+      work.read_issued = pixels * (kDescriptorBytes + 2) + entries * kDescriptorBytes +
                          entries / 4 + planes * 5 * kDescriptorBytes +
                          height * u64(cells.width) * 2 + u64(cells.height) * 66 * 2;
       break;

@@ -19,27 +19,31 @@ using runtime::Variant;
 
 constexpr std::int64_t kGroup = 64;
 
-/// Grid points far enough from the border.
-struct Interior {
+/// Grid points that are matched, and how many disparities that takes.
+struct Points {
   std::uint64_t rows = 0;
   std::uint64_t columns = 0;
   std::uint64_t tried = 0;  ///< disparities weighed in one row of the grid, both directions: at
                             ///< least; the way back has more room by the disparity found
 };
 
-Interior interior(const Shape& shape) {
+/// Those far enough from the border; the GPU variant matches all, at the nearest place inside.
+Points matched_points(Variant variant, const Shape& shape) {
   const std::int64_t last = shape["max_disparity"];
-  Interior in;
+  const std::int64_t end_u = shape["width"] - 1 - kMargin;
+  const bool all = variant == Variant::gpu;
+  Points points;
   for (std::int64_t v = 0; v < shape["height"]; v += shape["step"]) {
-    in.rows += v >= kMargin && v < shape["height"] - kMargin;
+    points.rows += all || (v >= kMargin && v < shape["height"] - kMargin);
   }
   for (std::int64_t u = 0; u < shape["width"]; u += shape["step"]) {
-    if (u < kMargin || u >= shape["width"] - kMargin) continue;
-    ++in.columns;
-    in.tried += u64(std::min(last, u - kMargin) + 1);
-    in.tried += u64(std::min(last, shape["width"] - 1 - kMargin - u) + 1);
+    if (!all && (u < kMargin || u > end_u)) continue;
+    const std::int64_t inner = std::clamp<std::int64_t>(u, kMargin, end_u);
+    ++points.columns;
+    points.tried += u64(std::min(last, inner - kMargin) + 1);
+    points.tried += u64(std::min(last, end_u - inner) + 1);
   }
-  return in;
+  return points;
 }
 
 runtime::LaunchGeometry geometry(Variant variant, const Shape& shape) {
@@ -58,7 +62,7 @@ runtime::LaunchGeometry geometry(Variant variant, const Shape& shape) {
 Work work_of(Variant variant, const Shape& shape) {
   const std::uint64_t width = u64(shape["width"]);
   const std::uint64_t disparities = u64(shape["max_disparity"]) + 1;
-  const Interior in = interior(shape);
+  const Points in = matched_points(variant, shape);
   const std::uint64_t matches = 2 * in.rows * in.columns;
   Work work;
   work.kind = WorkKind::gather;
