@@ -71,7 +71,12 @@ struct Work {
   std::uint64_t read_unique = 0;
   std::uint64_t written_unique = 0;
   std::uint64_t local_bytes = 0;  ///< traffic to __local memory (GPU variants), read plus written
-  std::uint32_t loop_count = 0;   ///< FPGA variants only: entries of `loops` in use
+  /// The launch's geometry in the variant that is charged (which need not be the one that runs): a
+  /// GPU's occupancy follows from it. Zero groups: as enqueued.
+  std::uint64_t groups = 0;
+  std::uint64_t group_items = 0;
+  std::uint64_t group_local_bytes = 0;  ///< __local memory of one work-group
+  std::uint32_t loop_count = 0;         ///< FPGA variants only: entries of `loops` in use
   std::uint32_t estimated = 0;    ///< 1: derived from compiled code, not declared by the author
   std::array<WorkLoop, kMaxWorkLoops> loops{};
 

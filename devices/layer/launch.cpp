@@ -95,8 +95,9 @@ cl_int launch(const Enqueue& e, const Queue& queue, cl_kernel handle, Kernel& ke
       error != CL_SUCCESS) {
     return error;
   }
-  const model::Launch shape = geometry(device, kernel, dimensions, global, local);
+  model::Launch shape = geometry(device, kernel, dimensions, global, local);
   const Work work = work_of(e.queue, handle, kernel, shape);
+  if (work.groups > 0) shape = {work.groups, work.group_items, work.group_local_bytes};
   timeline::Command command;
   command.kind = timeline::CommandKind::kernel;
   command.name = kernel.name_id;

@@ -71,4 +71,17 @@ bool KernelSpec::has(Variant variant) const {
   return std::find(variants.begin(), variants.end(), variant) != variants.end();
 }
 
+Work KernelSpec::declared_work(Variant variant, const Shape& shape) const {
+  Work declared = work(variant, shape);
+  const LaunchGeometry launch = geometry(variant, shape);
+  declared.groups = 1;
+  declared.group_items = 1;
+  for (std::size_t i = 0; i < launch.global.size(); ++i) {
+    declared.groups *= launch.global[i] / launch.local[i];
+    declared.group_items *= launch.local[i];
+  }
+  declared.group_local_bytes = variant == Variant::gpu ? gpu_local_bytes : 0;
+  return declared;
+}
+
 }  // namespace partita::runtime

@@ -101,6 +101,8 @@ struct KernelSpec {
   std::vector<ArgSpec> args;
   /// The NDRange that a variant is launched with for a shape.
   std::function<LaunchGeometry(Variant, const Shape&)> geometry;
+  /// __local memory of one work-group of the GPU variant, static arrays and arguments together.
+  std::uint64_t gpu_local_bytes = 0;
   /// What that launch costs. `shape` holds counts known when it runs (keypoints, …) as well.
   std::function<Work(Variant, const Shape&)> work;
   /// What the FPGA variant instantiates in hardware; empty design if there is no such variant.
@@ -116,6 +118,8 @@ struct KernelSpec {
   std::vector<Shape> shapes;
 
   bool has(Variant variant) const;
+  /// work() with the geometry of the variant filled in: what a launch declares.
+  Work declared_work(Variant variant, const Shape& shape) const;
 };
 
 /// HostSpec: the same for a step on the host processor (a triangulation, a factorisation).
