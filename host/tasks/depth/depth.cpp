@@ -253,9 +253,9 @@ void Depth::Impl::seen_disparities(View& view, bool is_right) {
 /// Makes the view's mesh and sends it up; false if there is none.
 bool Depth::Impl::triangulate(View& view, bool is_right) {
   view.mesh = make_mesh(support, is_right);
-  declare_host_step(*session, triangulation_spec(),
-                    {{"points", static_cast<std::int64_t>(support.size())},
-                     {"triangles", view.mesh.triangles}});
+  declare_host_step(
+      *session, triangulation_spec(),
+      {{"points", static_cast<std::int64_t>(support.size())}, {"triangles", view.mesh.triangles}});
   if (view.mesh.triangles == 0) return false;
   session->write(view.corners, bytes_of(view.mesh.corners));
   session->write(view.planes, bytes_of(view.mesh.planes));
@@ -276,8 +276,8 @@ void Depth::Impl::match(View& view, const View& other, bool is_right) {
   for (int cy = 0; cy < cells.height; ++cy) {
     for (int cx = 0; cx < cells.width; ++cx) {
       const std::int64_t n = view.host_counts[static_cast<std::size_t>(cy * cells.width + cx)];
-      entries += n * std::min(kCell, size.width - cx * kCell) *
-                 std::min(kCell, size.height - cy * kCell);
+      entries +=
+          n * std::min(kCell, size.width - cx * kCell) * std::min(kCell, size.height - cy * kCell);
     }
   }
   const int last = parameters.max_disparity;
@@ -328,8 +328,7 @@ DisparityMap Depth::Impl::process(const sensing::GrayImage& left, const sensing:
   match(left_view, right_view, false);
   match(right_view, left_view, true);
   consistency.launch({{"width", size.width}, {"height", size.height}}, left_view.disparities,
-                     right_view.disparities, out, size.width, size.height,
-                     parameters.lr_threshold);
+                     right_view.disparities, out, size.width, size.height, parameters.lr_threshold);
   session->read(out, std::as_writable_bytes(std::span(map.values)));
   return map;
 }

@@ -167,6 +167,8 @@ KernelSpec make_dense() {
     return single_items(variant == Variant::cpu ? ceil_div(shape["height"], kCell) : 1);
   };
   spec.work = dense_work;
+  spec.gpu_local_bytes =
+      kGroupY * (kGroupX + kLargestDisparity) * kDescriptorBytes + 2 * kPriorEntries;
   spec.design.buffers[0] = {kFpgaWidth, 128, 2, 2};
   spec.design.buffers[1] = {kFpgaWidth, 16, 1, 2};
   spec.design.buffers[2] = {256, 8, 1, 2};

@@ -143,6 +143,7 @@ KernelSpec make_sobel() {
                integer("height")};
   spec.geometry = geometry;
   spec.work = sobel_work;
+  spec.gpu_local_bytes = (kGroupX + 2) * (kGroupY + 2);
   spec.design.buffers[0] = {kFpgaWidth, 8, 2, 2};
   spec.design.buffer_count = 1;
   spec.design.operators[static_cast<std::size_t>(OpClass::int_add)] = 22;
@@ -166,6 +167,7 @@ KernelSpec make_descriptor() {
                integer("height")};
   spec.geometry = geometry;
   spec.work = descriptor_work;
+  spec.gpu_local_bytes = (kGroupX + 4) * (kGroupY + 4) + (kGroupX + 2) * (kGroupY + 2);
   spec.design.buffers[0] = {kFpgaWidth, 8, 7, 2};
   spec.design.buffer_count = 1;
   spec.design.operators[static_cast<std::size_t>(OpClass::int_add)] =

@@ -107,6 +107,7 @@ KernelSpec make_grid_prior() {
     return single_items(variant == Variant::cpu ? cells.height : 1);
   };
   spec.work = grid_prior_work;
+  spec.gpu_local_bytes = 9 * 4;
   spec.design.buffers[0] = {258, 1, 1, 2};
   spec.design.buffer_count = 1;
   spec.design.operators[static_cast<std::size_t>(OpClass::int_add)] = 10;

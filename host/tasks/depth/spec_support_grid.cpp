@@ -133,6 +133,7 @@ KernelSpec make_plausible() {
                integer("least")};
   spec.geometry = plausible_geometry;
   spec.work = plausible_work;
+  spec.gpu_local_bytes = 2 * (kSide + 2 * kLargestWindow) * (kSide + 2 * kLargestWindow);
   spec.design.buffers[0] = {kFpgaColumns, 16, 2 * kLargestWindow + 1, 2};
   spec.design.buffer_count = 1;
   spec.design.operators[static_cast<std::size_t>(OpClass::int_add)] = 6 * (2 * kLargestWindow + 1);
@@ -247,6 +248,7 @@ KernelSpec make_list() {
     return variant == Variant::gpu ? groups_over(kListers, 1, kListers, 1) : single_items(1);
   };
   spec.work = list_work;
+  spec.gpu_local_bytes = 4 * kListers;
   spec.design.operators[static_cast<std::size_t>(OpClass::int_add)] = 4;
   spec.make_case = [](const Shape& shape, std::uint32_t seed) -> KernelCase {
     HostArray grid = random_grid(shape, seed);

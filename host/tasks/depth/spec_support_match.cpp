@@ -138,6 +138,7 @@ KernelSpec make_spec() {
                integer("lr_threshold")};
   spec.geometry = geometry;
   spec.work = work_of;
+  spec.gpu_local_bytes = 2 * (kLargestDisparity + 5) * kDescriptorBytes + kGroup * 4;
   spec.design.buffers[0] = {kFpgaWidth, 128, 4, 2};
   spec.design.buffers[1] = {256, 32, 1, 2};
   spec.design.buffer_count = 2;
