@@ -61,11 +61,11 @@ std::vector<Fault> parse_faults(const std::string& text) {
   std::vector<Fault> faults;
   std::string_view rest = text;
   while (!rest.empty()) {
-    const std::size_t end = rest.find(';');
+    const std::size_t end = rest.find(',');
     faults.push_back(parse_one(rest.substr(0, end)));
     if (end == std::string_view::npos) break;
     rest.remove_prefix(end + 1);
-    if (rest.empty()) fail(text, "a fault after ';'");
+    if (rest.empty()) fail(text, "a fault after ','");
   }
   return faults;
 }

@@ -1,6 +1,6 @@
 // Faults on demand, in one place: PARTITA_FAULT makes an emulated device fail as real ones do.
 //
-//   PARTITA_FAULT = FAULT { ";" FAULT }
+//   PARTITA_FAULT = FAULT { "," FAULT }
 //   FAULT = "device=" NAME ":" KIND
 //   KIND  = "lost@" N              from the N-th command on (1 is the first) every call that needs
 //                                  the device fails, and CL_DEVICE_AVAILABLE is false
