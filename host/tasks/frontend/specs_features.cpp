@@ -91,6 +91,7 @@ GrayImage sparse_scores(Size size, std::uint32_t seed) {
 KernelSpec make_select() {
   KernelSpec spec;
   spec.name = spec.source = "select_cells";
+  spec.gpu_local_bytes = 64 * 4;
   spec.task = "frontend";
   spec.variants = kAllVariants;
   spec.args = {{"score", Access::in, ElementType::u8},
@@ -147,6 +148,7 @@ Work compact_work(Variant variant, const Shape& shape) {
 KernelSpec make_compact() {
   KernelSpec spec;
   spec.name = spec.source = "compact";
+  spec.gpu_local_bytes = 2 * 256 * 4;
   spec.task = "frontend";
   spec.variants = kAllVariants;
   spec.args = {{"slots", Access::in, ElementType::u32},
@@ -282,6 +284,7 @@ void describe_golden(KernelCase& c) {
 KernelSpec make_describe() {
   KernelSpec spec;
   spec.name = spec.source = "describe";
+  spec.gpu_local_bytes = 4 * (31 * 32 + 32 * 8 + 4 + 32 * 4);
   spec.task = "frontend";
   spec.variants = kAllVariants;
   spec.args = {{"image0", Access::in, ElementType::u8},

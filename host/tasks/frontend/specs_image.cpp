@@ -133,6 +133,7 @@ Work fast_work(Variant variant, const Shape& shape) {
 KernelSpec make_fast() {
   KernelSpec spec;
   spec.name = spec.source = "fast_score";
+  spec.gpu_local_bytes = 38 * 14;
   spec.task = "frontend";
   spec.variants = kAllVariants;
   spec.args = kImageArgs;
@@ -195,6 +196,7 @@ Work blur_work(Variant variant, const Shape& shape) {
 KernelSpec make_blur() {
   KernelSpec spec;
   spec.name = spec.source = "gaussian_blur";
+  spec.gpu_local_bytes = 38 * 14 + 38 * 8;
   spec.task = "frontend";
   spec.variants = kAllVariants;
   spec.args = kImageArgs;

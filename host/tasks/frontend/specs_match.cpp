@@ -171,6 +171,7 @@ void match_golden(KernelCase& c) {
 KernelSpec make_match() {
   KernelSpec spec;
   spec.name = spec.source = "match_window";
+  spec.gpu_local_bytes = 4 * 32 * 8;
   spec.task = "frontend";
   spec.variants = kAllVariants;
   spec.args = {{"queries", Access::in, ElementType::i32},

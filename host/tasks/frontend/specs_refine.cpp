@@ -48,6 +48,7 @@ Work invert_work(Variant variant, const Shape& shape) {
 KernelSpec make_invert() {
   KernelSpec spec;
   spec.name = spec.source = "invert_matches";
+  spec.gpu_local_bytes = 128 * 8;
   spec.task = "frontend";
   spec.variants = kAllVariants;
   spec.args = {{"matches", Access::in, ElementType::i32},
@@ -179,6 +180,7 @@ void refine_golden(KernelCase& c) {
 KernelSpec make_refine() {
   KernelSpec spec;
   spec.name = spec.source = "refine_sad";
+  spec.gpu_local_bytes = 4 * (121 + 27 * 19 + 153 * 4);
   spec.task = "frontend";
   spec.variants = kAllVariants;
   for (const char* name : {"a0", "a1", "b0", "b1"}) {
