@@ -1,6 +1,10 @@
 // The whole task on made-up pictures: what is put in comes out, the same from every variant; and
 // bad input does not crash.
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -115,6 +119,49 @@ TEST(DepthProcess, OddSizesAndTheSmallestOne) {
     const DisparityMap cpu = run(Variant::cpu, pair, parameters);
     EXPECT_EQ(cpu.values, run(Variant::gpu, pair, parameters).values);
     EXPECT_EQ(cpu.values, run(Variant::fpga, pair, parameters).values);
+  }
+}
+
+sensing::GrayImage random_picture(Size size, std::mt19937& random) {
+  sensing::GrayImage image(size.width, size.height);
+  const unsigned kind = random() % 3;  // noise, a pattern that repeats, a step
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const int value = kind == 0   ? static_cast<int>(random())
+                        : kind == 1 ? (x % 7) * 36 + y % 5
+                                    : (x > size.width / 2 ? 255 : 0);
+      image.at(x, y) = static_cast<std::uint8_t>(value);
+    }
+  }
+  return image;
+}
+
+TEST(DepthProcess, RandomSizesParametersAndContentsGiveOneMap) {
+  std::mt19937 random(11);
+  const auto between = [&](int least, int most) {
+    return least + static_cast<int>(random() % static_cast<unsigned>(most - least + 1));
+  };
+  for (int round = 0; round < 24; ++round) {
+    const Size size{between(32, 260), between(16, 90)};
+    DepthParameters p;
+    p.max_disparity = between(15, std::min(255, size.width - 1));
+    p.candidate_step = between(5, 12);
+    p.support_threshold = between(50, 100) / 100.0;
+    p.support_texture = between(0, 200);
+    p.lr_threshold = between(0, 4);
+    p.incon_window = between(1, 16);
+    p.incon_min_support = between(1, 8);
+    p.redun_max_distance = between(1, 16);
+    p.beta = between(1, 1000) / 1000.0;
+    p.gamma = between(1, 1000) / 100.0;
+    p.sigma = between(1, 100) / 10.0;
+    p.match_texture = between(0, 200);
+    const SyntheticPair pair =
+        round % 2 == 0 ? synthetic_pair(size, {0.03, 0.05, 5}, random())
+                       : SyntheticPair{random_picture(size, random), random_picture(size, random)};
+    const DisparityMap cpu = run(Variant::cpu, pair, p);
+    EXPECT_EQ(cpu.values, run(Variant::gpu, pair, p).values) << round;
+    EXPECT_EQ(cpu.values, run(Variant::fpga, pair, p).values) << round;
   }
 }
 

@@ -51,10 +51,9 @@ void check_size(const Session& session, Size size, const DepthParameters& p) {
     throw Error(fmt::format("depth: pictures of {} x {}, expected at least {} x {}", size.width,
                             size.height, kSmallestWidth, kSmallestHeight));
   }
-  constexpr int kLargest = INT16_MAX;
-  if (size.width > kLargest || size.height > kLargest) {
+  if (size.width > kLargestSide || size.height > kLargestSide) {
     throw Error(fmt::format("depth: pictures of {} x {}, expected at most {} x {}", size.width,
-                            size.height, kLargest, kLargest));
+                            size.height, kLargestSide, kLargestSide));
   }
   const bool fpga = session.charged() == runtime::Variant::fpga;
   if (fpga && size.width > kFpgaWidth) {

@@ -64,7 +64,7 @@ struct DisparityMap {
 class Depth {
  public:
   /// Throws Error for a parameter out of range, a max_disparity beyond the width, or a picture
-  /// smaller than the smallest window (32 x 16).
+  /// smaller than 32 x 16 or larger than 4096 x 4096 (an FPGA takes widths up to 1600).
   Depth(const runtime::Session& session, int width, int height, const DepthParameters& parameters);
   ~Depth();
   Depth(Depth&&) noexcept;

@@ -18,6 +18,7 @@ inline constexpr std::int64_t kFpgaWidth = 1600;   ///< pixels that an FPGA row 
 inline constexpr std::int64_t kFpgaColumns = 512;  ///< grid points that an FPGA row buffer holds
 inline constexpr int kSmallestWidth = 32;
 inline constexpr int kSmallestHeight = 16;
+inline constexpr int kLargestSide = 4096;
 
 inline constexpr std::int64_t ceil_div(std::int64_t a, std::int64_t b) {
   return (a + b - 1) / b;

@@ -44,9 +44,10 @@ static_assert(sizeof(SupportPoint) == 8);
 Mesh make_mesh(std::span<const SupportPoint> points, bool right);
 
 /// Slopes beyond this are of triangles that bridge two surfaces; their planes say nothing.
-/// Along u a visible surface cannot reach a slope of one.
+/// Along u a visible surface cannot reach a slope of one. With pictures up to kLargestSide no sum
+/// in plane_at leaves 32 bits.
 inline constexpr std::int32_t kSteepestU = 1 << 16;
-inline constexpr std::int32_t kSteepestV = 8 << 16;
+inline constexpr std::int32_t kSteepestV = 4 << 16;
 
 /// Disparity of the plane at (du, dv) from its first corner, 1/16 px.
 inline std::int16_t plane_at(const std::int32_t* plane, int du, int dv) {
