@@ -95,6 +95,7 @@ void set_emulation(const EmulationOptions& options) {
   set_or_unset("PARTITA_PROFILES", places().profiles);
   set_or_unset("PARTITA_ALLOW_SOURCE", options.allow_source ? "1" : "");
   set_or_unset("PARTITA_FAULT", options.fault);
+  set_or_unset("PARTITA_RECORDING", options.recording ? "1" : "");
   set_or_unset("PARTITA_RECORD", options.record);
 }
 

@@ -19,6 +19,7 @@ struct EmulationOptions {
   std::string machine = "dragonfly";  ///< name or file; "native": no layer at all
   bool allow_source = false;          ///< lift the FPGA's no-source rule
   std::string fault = {};             ///< fault injection, see docs; empty: none
+  bool recording = false;             ///< keep the graph for Extension::export_record
   std::string record = {};            ///< file for the record at process exit; empty: none
 };
 

@@ -23,11 +23,6 @@ using runtime::Access;
 using runtime::KernelSpec;
 using runtime::Variant;
 
-/// The shape that a kernel's static figures are taken at: its largest.
-const runtime::Shape& largest_shape(const KernelSpec& spec) {
-  return spec.shapes.empty() ? spec.small_shapes.back() : spec.shapes.back();
-}
-
 layer::ContainerArg describe(const runtime::ArgSpec& arg) {
   const std::string type(runtime::to_string(arg.type));
   if (arg.access == Access::scalar) return {arg.name, type, "private"};
@@ -38,11 +33,13 @@ layer::ContainerKernel describe(const KernelSpec& spec, Variant text) {
   layer::ContainerKernel kernel;
   kernel.name = spec.name;
   for (const runtime::ArgSpec& arg : spec.args) kernel.args.push_back(describe(arg));
-  const Work work = spec.work(Variant::fpga, largest_shape(spec));
+  // Loops and local size are the circuit's own, whatever the shape; a case knows its counts.
+  const runtime::Shape shape = spec.make_case(spec.small_shapes.back(), 1).shape;
+  const Work work = spec.work(Variant::fpga, shape);
   for (std::uint32_t i = 0; i < work.loop_count; ++i) {
     kernel.loops.push_back({fmt::format("loop{}", i), work.loops[i].ii, work.loops[i].depth});
   }
-  const auto local = spec.geometry(text, largest_shape(spec)).local;
+  const auto local = spec.geometry(text, shape).local;
   std::copy(local.begin(), local.end(), kernel.work_group.begin());
   kernel.design = spec.design;
   kernel.area = model::estimate_area(spec.design);

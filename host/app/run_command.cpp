@@ -68,7 +68,7 @@ class Run {
     set_emulation({.machine = options_.machine,
                    .allow_source = options_.allow_source,
                    .fault = options_.fault,
-                   .record = {}});
+                   .recording = true});
     open_source();
     refuse_foreign_folder(options_.out, options_.force);
     const runtime::Execute execute =

@@ -30,7 +30,7 @@ void Kernel::set_raw(cl_uint index, std::size_t size, const void* value) {
 void Kernel::enqueue(const Shape& shape) {
   if (session_->extension().present()) {
     session_->extension().set_work(session_->queue(),
-                                    spec_->declared_work(session_->charged(), shape));
+                                   spec_->declared_work(session_->charged(), shape));
   }
   const LaunchGeometry geometry = spec_->geometry(session_->executed(), shape);
   const cl_int code =
