@@ -1,7 +1,7 @@
 // The list of features (see the GPU's text for what it is), for CPU and FPGA.
-// Assumes: cells >= 1; in every cell the used slots come first; keypoints has room for all.
-// A single work-item: the list is short, and its order is the order of the slots. Carried from slot to
-// slot is the index, one addition: II = 1.
+// Assumes: cells >= 1; in every cell the used slots come first; keypoints has room for all. A
+// single work-item: the list is short, and its order is the order of the slots. Carried from slot
+// to slot is the index, one addition: II = 1.
 #include "common/fpga.clh"
 #include "frontend/common.clh"
 

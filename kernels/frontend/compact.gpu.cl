@@ -1,9 +1,9 @@
 // The list of features: all used slots, cell by cell, as keypoints in original coordinates.
-// cell_start[i] is the index of cell i's first keypoint, cell_start[cells] and count[0] their number.
-// The first cells_level0 cells are of level 0, the others of level 1. Keypoints beyond the number are
-// left alone.
-// Assumes: cells >= 1; in every cell the used slots come first; keypoints has room for all.
-// One group of 256: each work-item counts a run of cells, a prefix sum in local memory gives each run
+// cell_start[i] is the index of cell i's first keypoint, cell_start[cells] and count[0] their
+// number. The first cells_level0 cells are of level 0, the others of level 1. Keypoints beyond the
+// number are left alone.
+// Assumes: cells >= 1; in every cell the used slots come first; keypoints has room for all. One
+// group of 256: each work-item counts a run of cells, a prefix sum in local memory gives each run
 // its place.
 #include "frontend/common.clh"
 

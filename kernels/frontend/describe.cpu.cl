@@ -1,8 +1,8 @@
 // Orientation and descriptor of every keypoint (see the GPU's text for what they are).
 // Assumes: as there.
 // One work-item per 16 keypoints. The moments add rows +dy and -dy as vectors: columns -15..0 and
-// 1..16 (the last one masked out); the sums fit 16 bits signed: 31 * 255 and 120 * 255. The blurred patch is
-// copied to a private array of fixed stride, which the table's offsets index.
+// 1..16 (the last one masked out); the sums fit 16 bits signed: 31 * 255 and 120 * 255. The blurred
+// patch is copied to a private array of fixed stride, which the table's offsets index.
 #include "frontend/common.clh"
 
 #define PER_ITEM 16

@@ -3,8 +3,8 @@
 // The table is copied on chip once, 32 bytes per cycle. Per keypoint: 31 cycles fetch a row of the
 // patch from both images (32 bytes each) and add it to the moments; one step finds the bin by 32
 // comparisons side by side; 32 cycles make a byte of the descriptor each, from a patch that is kept
-// in eight copies with two ports, so that sixteen pixels can be read at once. Nothing but the sums is
-// carried from one iteration to the next: II = 1 in each loop.
+// in eight copies with two ports, so that sixteen pixels can be read at once. Nothing but the sums
+// is carried from one iteration to the next: II = 1 in each loop.
 #include "common/fpga.clh"
 #include "frontend/common.clh"
 

@@ -1,8 +1,8 @@
 // Orientation and descriptor of every keypoint. The direction bin (0..31) is that of the intensity
-// centroid of the circular patch of radius 15 in the level's image, by cross products with the bins'
-// boundaries; it is written into the keypoint. Bit t of the descriptor compares two pixels of the
-// blurred image: patch[table[bin][t].x] < patch[table[bin][t].y], with patch the 31 rows of 32 pixels
-// around the keypoint; bit t is bit t % 32 of word t / 32.
+// centroid of the circular patch of radius 15 in the level's image, by cross products with the
+// bins' boundaries; it is written into the keypoint. Bit t of the descriptor compares two pixels of
+// the blurred image: patch[table[bin][t].x] < patch[table[bin][t].y], with patch the 31 rows of 32
+// pixels around the keypoint; bit t is bit t % 32 of word t / 32.
 // Assumes: keypoints at least BORDER from the edges; width, height of level 0, level 1 follows from
 // them; stride == width; table has 32 x 256 pairs of offsets below 31 * 32.
 // 32 work-items per keypoint, four keypoints per group: a work-item sums one column of the patch,
@@ -31,17 +31,19 @@ __kernel __attribute__((reqd_work_group_size(LANES, PER_GROUP, 1))) void describ
     keypoint = keypoints[index];
     const int level = level_of(keypoint);
     const int stride = level == 0 ? width : width * 5 / 6;
-    const int corner = ((keypoint.z >> 16) - RADIUS) * stride + (keypoint.z & 0xFFFF) - RADIUS + lane;
+    const int corner =
+        ((keypoint.z >> 16) - RADIUS) * stride + (keypoint.z & 0xFFFF) - RADIUS + lane;
     __global const uchar* sharp = (level == 0 ? image0 : image1) + corner;
     __global const uchar* soft = (level == 0 ? blurred0 : blurred1) + corner;
     const int dx = lane - RADIUS;
-    const int reach = dx <= RADIUS ? HALF_WIDTH[abs(dx)] : -1;
+    const int reach = HALF_WIDTH[min((int)abs(dx), RADIUS)];
     int sum = 0;
     int weighted = 0;
     for (int row = 0; row < PATCH_ROWS; ++row) {
       const int dy = row - RADIUS;
       patches[slot][row * PATCH_STRIDE + lane] = soft[row * stride];
-      const int value = (int)abs(dy) <= reach ? (int)sharp[row * stride] : 0;
+      const int inside = dx <= RADIUS && (int)abs(dy) <= reach;
+      const int value = inside ? (int)sharp[row * stride] : 0;
       sum += value;
       weighted += dy * value;
     }

@@ -1,6 +1,6 @@
-// FAST-9: for each pixel the largest t such that nine contiguous pixels of the sixteen on the circle
-// of radius 3 are all brighter, or all darker, than the centre by more than t - 1; 0 where that is not
-// above `threshold`, and in the border of 3 pixels.
+// FAST-9: for each pixel the largest t such that nine contiguous pixels of the sixteen on the
+// circle of radius 3 are all brighter, or all darker, than the centre by more than t - 1; 0 where
+// that is not above `threshold`, and in the border of 3 pixels.
 // Assumes: stride == width; 0 <= threshold <= 255; any size (below 7 x 7 the result is all zero).
 // Groups of 32 x 8 with their 38 x 14 neighbourhood in local memory.
 #include "frontend/common.clh"

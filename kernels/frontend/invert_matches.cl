@@ -9,7 +9,8 @@
 #define MAX_TRAINS 2048
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void invert_matches(
-    __global const int2* restrict matches, __global int2* restrict inverse, int queries, int trains) {
+    __global const int2* restrict matches, __global int2* restrict inverse, int queries,
+    int trains) {
   int2 best[MAX_TRAINS];
   PIPELINE(1)
   for (int i = 0; i < trains; ++i) best[i] = (int2)(-1, NO_DISTANCE);

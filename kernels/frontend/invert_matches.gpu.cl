@@ -7,7 +7,8 @@
 #define GROUP 128
 
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void invert_matches(
-    __global const int2* restrict matches, __global int2* restrict inverse, int queries, int trains) {
+    __global const int2* restrict matches, __global int2* restrict inverse, int queries,
+    int trains) {
   __local int2 tile[GROUP];
   const int lane = (int)get_local_id(0);
   const int mine = (int)get_global_id(0);

@@ -1,8 +1,8 @@
 // Matches in a window (see the GPU's text for what they are).
 // Assumes: as there, and at most 2,048 features and 512 cells.
-// The features to search, their descriptors and the cells are copied on chip first. Per query one flat
-// loop steps through the runs of its window, one candidate per cycle; carried are the running best and
-// second, one compare-and-select each: II = 1.
+// The features to search, their descriptors and the cells are copied on chip first. Per query one
+// flat loop steps through the runs of its window, one candidate per cycle; carried are the running
+// best and second, one compare-and-select each: II = 1.
 #include "common/fpga.clh"
 #include "frontend/match.clh"
 

@@ -1,12 +1,13 @@
-// For every query the feature in its window (see match.clh) with the least Hamming distance, ties to
-// the smaller index: {index, distance}, or {-1, 65535} if there is none within max_hamming, or if the
-// distance times 256 exceeds the second best's times ratio_q8 (at most 256, which lets every best pass;
-// no second candidate counts as distance 65535). Queries whose shift.x is NO_PREDICTION get {-1, 65535}.
-// Windows: x in [x_least, x_most] and y in [y_least, y_most] around position + shift.
+// For every query the feature in its window (see match.clh) with the least Hamming distance, ties
+// to the smaller index: {index, distance}, or {-1, 65535} if there is none within max_hamming, or
+// if the distance times 256 exceeds the second best's times ratio_q8 (at most 256, which lets every
+// best pass; no second candidate counts as distance 65535). Queries whose shift.x is NO_PREDICTION
+// get {-1, 65535}. Windows: x in [x_least, x_most] and y in [y_least, y_most] around position +
+// shift.
 // Assumes: trains < 65536; cell_start as compact wrote it for the grid of cell0, cell1 on width x
 // height; |shift| below 2^22.
-// 32 work-items per query, four queries per group: each takes every 32nd candidate of a run, then the
-// bests are merged in local memory.
+// 32 work-items per query, four queries per group: each takes every 32nd candidate of a run, then
+// the bests are merged in local memory.
 #include "frontend/match.clh"
 
 #define LANES 32
@@ -62,5 +63,6 @@ __kernel __attribute__((reqd_work_group_size(LANES, PER_GROUP, 1))) void match_w
     }
     barrier(CLK_LOCAL_MEM_FENCE);
   }
-  if (lane == 0 && index < query_count) matches[index] = decide(best, second, max_hamming, ratio_q8);
+  if (lane == 0 && index < query_count)
+    matches[index] = decide(best, second, max_hamming, ratio_q8);
 }

@@ -1,7 +1,8 @@
-// Reduces an image to 5/6 of its size by bilinear interpolation in fixed point (see the GPU's text).
+// Reduces an image to 5/6 of its size by bilinear interpolation in fixed point (see the GPU's
+// text).
 // Assumes: 6 <= width <= 4096, height >= 6; stride == width.
-// One work-item per band of 16 output rows. Each row first blends the two source rows by vectors into
-// a line of its own, then the columns, whose weights repeat every five.
+// One work-item per band of 16 output rows. Each row first blends the two source rows by vectors
+// into a line of its own, then the columns, whose weights repeat every five.
 #include "frontend/common.clh"
 
 #define BAND 16

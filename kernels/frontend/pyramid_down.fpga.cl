@@ -1,8 +1,10 @@
-// Reduces an image to 5/6 of its size by bilinear interpolation in fixed point (see the GPU's text).
+// Reduces an image to 5/6 of its size by bilinear interpolation in fixed point (see the GPU's
+// text).
 // Assumes: 6 <= width <= 4096, height >= 6; stride == width.
 // Streams the source once, six pixels and hence five outputs per cycle: outputs 5 q .. 5 q + 4 need
-// source pixels 6 q .. 6 q + 5 and no others. One line buffer holds the row above; nothing is carried
-// from one iteration to the next but the line buffer, read and written at the same address: II = 1.
+// source pixels 6 q .. 6 q + 5 and no others. One line buffer holds the row above; nothing is
+// carried from one iteration to the next but the line buffer, read and written at the same address:
+// II = 1.
 #include "common/fpga.clh"
 #include "frontend/common.clh"
 

@@ -1,8 +1,8 @@
 // Reduces an image to 5/6 of its size by bilinear interpolation in fixed point.
-// Assumes: width, height >= 6; stride == width; dst is (width * 5 / 6) x (height * 5 / 6). Pixel 5 q + r
-// of the result lies between source pixels 6 q + r and 6 q + r + 1, so no source pixel is clamped.
-// One work-item per output pixel in groups of 32 x 8; the source rows are read coalesced, and every
-// source pixel by at most four neighbours of one group, which the cache serves.
+// Assumes: width, height >= 6; stride == width; dst is (width * 5 / 6) x (height * 5 / 6). Pixel 5
+// q + r of the result lies between source pixels 6 q + r and 6 q + r + 1, so no source pixel is
+// clamped. One work-item per output pixel in groups of 32 x 8; the source rows are read coalesced,
+// and every source pixel by at most four neighbours of one group, which the cache serves.
 #include "frontend/common.clh"
 
 __kernel __attribute__((reqd_work_group_size(32, 8, 1))) void pyramid_down(

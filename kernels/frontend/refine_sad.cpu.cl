@@ -1,7 +1,7 @@
 // Refines every unique match (see the GPU's text for how).
 // Assumes: as there.
-// One work-item per 16 queries. A row of the patch is a vector whose last five lanes are masked out;
-// the eleven rows' differences add up in 16 bits: 121 * 255 < 2^15.
+// One work-item per 16 queries. A row of the patch is a vector whose last five lanes are masked
+// out; the eleven rows' differences add up in 16 bits: 121 * 255 < 2^15.
 #include "frontend/refine.clh"
 
 #define PER_ITEM 16
@@ -22,7 +22,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void refine_sad(
     int same_row, int max_sad) {
   int costs[MAX_POSITIONS];
   uchar16 patch[SAD_SIZE];
-  const uchar16 mask = (uchar16)(255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 0, 0, 0, 0, 0);
+  const uchar16 mask =
+      (uchar16)(255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 0, 0, 0, 0, 0);
   const int across = 2 * range_x + 1;
   const int positions = across * (2 * range_y + 1);
   const int first = (int)get_global_id(0) * PER_ITEM;
@@ -41,8 +42,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void refine_sad(
     const int y = same_row ? a.z >> 16 : b.z >> 16;
     __global const uchar* from_a = (level == 0 ? a0 : a1) + ((a.z >> 16) - SAD_RADIUS) * stride +
                                    (a.z & 0xFFFF) - SAD_RADIUS;
-    __global const uchar* from_b = (level == 0 ? b0 : b1) + (y - SAD_RADIUS - range_y) * stride + x -
-                                   SAD_RADIUS - range_x;
+    __global const uchar* from_b =
+        (level == 0 ? b0 : b1) + (y - SAD_RADIUS - range_y) * stride + x - SAD_RADIUS - range_x;
     for (int row = 0; row < SAD_SIZE; ++row) patch[row] = vload16(0, from_a + row * stride) & mask;
     int p = 0;
     int best = 0;

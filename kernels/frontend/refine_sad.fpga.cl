@@ -1,8 +1,8 @@
 // Refines every unique match (see the GPU's text for how).
 // Assumes: as there.
-// Per match: the rows of both patches are fetched, one row per cycle; then one offset per cycle, with
-// all 121 differences and their adder tree side by side, from patches held in registers. Carried from
-// one offset to the next is the least sum so far: II = 1.
+// Per match: the rows of both patches are fetched, one row per cycle; then one offset per cycle,
+// with all 121 differences and their adder tree side by side, from patches held in registers.
+// Carried from one offset to the next is the least sum so far: II = 1.
 #include "common/fpga.clh"
 #include "frontend/refine.clh"
 
@@ -79,8 +79,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void refine_sad(
       const int east = best + 1 < positions ? costs[best + 1] : 0;
       const int north = best >= across ? costs[best - across] : 0;
       const int south = best + across < positions ? costs[best + across] : 0;
-      result = refined(x, y, level, other, best_x, best_y, range_x, range_y, west, east, north, south,
-                       least, max_sad);
+      result = refined(x, y, level, other, best_x, best_y, range_x, range_y, west, east, north,
+                       south, least, max_sad);
     }
     refined_matches[index] = result;
   }

@@ -1,10 +1,10 @@
-// Refines every unique match: the 11 x 11 patch around the query in image a is compared by the sum of
-// absolute differences with image b around the partner, at offsets within +-range_x, +-range_y, in the
-// level of both; the least sum (ties: the upper row, then the left column) is refined by a parabola in
-// x, and in y if range_y > 0. Result: {x_q8, y_q8 in b, original coordinates; partner; sum}, or
-// {0, 0, -1, 0} if the match is not unique, the least sum is above max_sad or lies at the search's
-// edge. With same_row the search in b is centred on the query's row (rectified stereo), else on the
-// partner's.
+// Refines every unique match: the 11 x 11 patch around the query in image a is compared by the sum
+// of absolute differences with image b around the partner, at offsets within +-range_x, +-range_y,
+// in the level of both; the least sum (ties: the upper row, then the left column) is refined by a
+// parabola in x, and in y if range_y > 0. Result: {x_q8, y_q8 in b, original coordinates; partner;
+// sum}, or {0, 0, -1, 0} if the match is not unique, the least sum is above max_sad or lies at the
+// search's edge. With same_row the search in b is centred on the query's row (rectified stereo),
+// else on the partner's.
 // Assumes: keypoints of a and b at least BORDER from the edges, partners of the same level;
 // 1 <= range_x <= 8, 0 <= range_y <= 4; stride == width.
 // 32 work-items per query, four queries per group: both patches in local memory, one offset per
@@ -47,8 +47,8 @@ __kernel __attribute__((reqd_work_group_size(LANES, PER_GROUP, 1))) void refine_
     y = same_row ? a.z >> 16 : b.z >> 16;
     __global const uchar* patch = (level == 0 ? a0 : a1) + ((a.z >> 16) - SAD_RADIUS) * stride +
                                   (a.z & 0xFFFF) - SAD_RADIUS;
-    __global const uchar* window = (level == 0 ? b0 : b1) + (y - SAD_RADIUS - range_y) * stride + x -
-                                   SAD_RADIUS - range_x;
+    __global const uchar* window =
+        (level == 0 ? b0 : b1) + (y - SAD_RADIUS - range_y) * stride + x - SAD_RADIUS - range_x;
     for (int row = 0; row < SAD_SIZE && lane < SAD_SIZE; ++row) {
       patches[slot][row * SAD_SIZE + lane] = patch[row * stride + lane];
     }
@@ -65,7 +65,8 @@ __kernel __attribute__((reqd_work_group_size(LANES, PER_GROUP, 1))) void refine_
     int sum = 0;
     for (int row = 0; row < SAD_SIZE; ++row) {
       for (int column = 0; column < SAD_SIZE; ++column) {
-        sum += (int)abs((int)patches[slot][row * SAD_SIZE + column] - (int)b[row * window_x + column]);
+        sum +=
+            (int)abs((int)patches[slot][row * SAD_SIZE + column] - (int)b[row * window_x + column]);
       }
     }
     costs[slot][p] = sum;

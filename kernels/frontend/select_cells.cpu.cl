@@ -31,10 +31,10 @@ static inline uchar survives(__global const uchar* p, int width) {
 static inline uchar16 survivors(__global const uchar* p, int width, uchar16 s) {
   __global const uchar* above = p - width;
   __global const uchar* below = p + width;
-  const uchar16 before =
-      max(max(vload16(0, above - 1), vload16(0, above)), max(vload16(0, above + 1), vload16(0, p - 1)));
-  const uchar16 after =
-      max(max(vload16(0, below - 1), vload16(0, below)), max(vload16(0, below + 1), vload16(0, p + 1)));
+  const uchar16 before = max(max(vload16(0, above - 1), vload16(0, above)),
+                             max(vload16(0, above + 1), vload16(0, p - 1)));
+  const uchar16 after = max(max(vload16(0, below - 1), vload16(0, below)),
+                            max(vload16(0, below + 1), vload16(0, p + 1)));
   return select((uchar16)(0), s, (s > before) & (s >= after));
 }
 

@@ -1,10 +1,11 @@
 // The best corners of every cell (see the GPU's text for what they are).
 // Assumes: 2 BORDER < width <= 4096, height > 2 BORDER; stride == width; cell even, at least 2.
 // Streams the scores, two pixels per cycle, through two line buffers and a window of 3 x 4. Of two
-// pixels side by side at most one survives the suppression, and as BORDER is odd and cells are even,
-// the pair (odd, even) lies in one cell: one insertion into one cell's four keys per cycle. The keys
-// of the current cell are in registers; they move to and from a memory at the cell's edges, where the
-// next cell's entry is another address. The carried chain is one compare-and-select: II = 1.
+// pixels side by side at most one survives the suppression, and as BORDER is odd and cells are
+// even, the pair (odd, even) lies in one cell: one insertion into one cell's four keys per cycle.
+// The keys of the current cell are in registers; they move to and from a memory at the cell's
+// edges, where the next cell's entry is another address. The carried chain is one
+// compare-and-select: II = 1.
 #include "common/fpga.clh"
 #include "frontend/common.clh"
 

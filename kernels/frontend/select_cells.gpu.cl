@@ -1,11 +1,11 @@
-// The best corners of every cell: 3 x 3 non-maximum suppression (ties: the smaller row, then column),
-// then the PER_CELL greatest keys of each cell of cell x cell pixels, in falling order, 0 where there
-// are fewer. In a cell whose best exceeds threshold_high, corners that do not are dropped: the lower
-// threshold of fast_score serves cells that have no better.
-// The grid begins at (BORDER, BORDER) and has ceil((width - 2 BORDER) / cell) columns, rows likewise;
-// cell i of the image writes slots (first_cell + i) * PER_CELL and following.
-// Assumes: width, height > 2 BORDER, at most 4096; stride == width; cell even, at least 2.
-// One group of 16 x 4 per cell: every work-item keeps the best of its pixels, then PER_CELL rounds take
+// The best corners of every cell: 3 x 3 non-maximum suppression (ties: the smaller row, then
+// column), then the PER_CELL greatest keys of each cell of cell x cell pixels, in falling order, 0
+// where there are fewer. In a cell whose best exceeds threshold_high, corners that do not are
+// dropped: the lower threshold of fast_score serves cells that have no better.
+// The grid begins at (BORDER, BORDER) and has ceil((width - 2 BORDER) / cell) columns, rows
+// likewise; cell i of the image writes slots (first_cell + i) * PER_CELL and following.
+// Assumes: width, height > 2 BORDER, at most 4096; stride == width; cell even, at least 2. One
+// group of 16 x 4 per cell: every work-item keeps the best of its pixels, then PER_CELL rounds take
 // the greatest of all heads. Keys contain the position, so no two are equal.
 #include "frontend/common.clh"
 
