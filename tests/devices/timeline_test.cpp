@@ -204,6 +204,20 @@ TEST_F(TimelineTest, CopiesAcrossNodesTakeTwoHops) {
   EXPECT_EQ(timeline.times(sensor).start, timeline.times(sensor).end);  // same node
 }
 
+TEST_F(TimelineTest, AFramesSensorDataTravelToANodeOnce) {
+  // The sensors' node of small_layout is not that of its SoC.
+  const ThreadId first = timeline.add_thread("first"), second = timeline.add_thread("second");
+  timeline.bind_thread(first, "first", 1, kGpu0);
+  timeline.bind_thread(second, "second", 2, kGpu0);
+  for (const ThreadId t : {first, second}) timeline.set_label(t, 0, 7);
+  const Times one = timeline.times(timeline.sensor_input(first, 0, 1'000'000));
+  const Times same = timeline.times(timeline.sensor_input(second, 0, 1'000'000));
+  EXPECT_EQ(same.end, one.end);
+  timeline.set_label(second, 0, 8);  // the next frame's data are others
+  const Times next = timeline.times(timeline.sensor_input(second, 0, 1'000'000));
+  EXPECT_GT(next.end, one.end);
+}
+
 TEST_F(TimelineTest, MapsMoveNothingInSharedMemory) {
   ThreadId soc = timeline.add_thread("soc");
   timeline.bind_thread(soc, "soc", 1, kGpu0);
