@@ -11,16 +11,16 @@
 #define NEVER 0xfffffffffffffffful
 
 typedef struct {
-  __global const uchar *restrict own;    // descriptors of this row, this view
-  __global const uchar *restrict other;  // and of the other view
+  __global const uchar* restrict own;    // descriptors of this row, this view
+  __global const uchar* restrict other;  // and of the other view
   int width;
   int direction;  // -1: a disparity leads to the left, +1: to the right
   int max_disparity;
   ulong away;  // energy of a disparity that no plane supports, in place
 } Row;
 
-static inline ulong8 four(__global const uchar *descriptors, int x) {
-  return vload8(0, (__global const ulong *)(descriptors + x * 16));
+static inline ulong8 four(__global const uchar* descriptors, int x) {
+  return vload8(0, (__global const ulong*)(descriptors + x * 16));
 }
 
 // A candidate's descriptor distance in a key's place; NEVER if it lies outside.
@@ -38,14 +38,13 @@ static inline ulong with_penalty(ulong key, ulong addend) {
 }
 
 // Best candidate of the plane `mu` for the pixel at x.
-static inline ulong best_of_plane(const Row row, int x, int mu,
-                                  __private const ulong *penalties) {
+static inline ulong best_of_plane(const Row row, int x, int mu, __private const ulong* penalties) {
   if (mu == NO_PLANE) return NEVER;
   const int floor = mu >> PLANE_BITS;
   const ulong8 penalty = vload8((size_t)(mu & ((1 << PLANE_BITS) - 1)), penalties);
   // In memory the candidates' columns ascend: so does the disparity to the right, or it descends.
   const int first = row.direction < 0 ? x - floor - 2 : x + floor - 1;
-  const ulong2 d = vload2((size_t)x, (__global const ulong *)row.own);
+  const ulong2 d = vload2((size_t)x, (__global const ulong*)row.own);
   if (floor >= 1 && floor + 2 <= row.max_disparity && first >= 0 && first + 3 < row.width) {
     const ulong8 distances = distance4(d.s01010101, four(row.other, first));
     const ulong8 keys = (distances << KEY_SHIFT) + (ulong8)((ulong)floor) + penalty;
@@ -62,7 +61,7 @@ static inline ulong best_of_plane(const Row row, int x, int mu,
   return min(min(one, two), min(three, last));
 }
 
-static inline ulong listed_pixel(const Row row, int x, __global const uchar *list, int count) {
+static inline ulong listed_pixel(const Row row, int x, __global const uchar* list, int count) {
   const uchar16 mine = vload16((size_t)x, row.own);
   ulong best = NEVER;
   for (int n = 0; n < count; ++n) {
@@ -78,7 +77,7 @@ static inline ulong8 twice(ulong a, ulong b, ulong c, ulong d) {
 }
 
 // The same for pixels x .. x + 3.
-static inline ulong8 listed_four(const Row row, int x, __global const uchar *list, int count) {
+static inline ulong8 listed_four(const Row row, int x, __global const uchar* list, int count) {
   const ulong8 own = four(row.own, x);
   ulong8 best = (ulong8)(NEVER);
   for (int n = 0; n < count; ++n) {
@@ -88,10 +87,10 @@ static inline ulong8 listed_four(const Row row, int x, __global const uchar *lis
       const ulong8 distances = distance4(own, four(row.other, first));
       best = min(best, (distances << KEY_SHIFT) + (ulong8)(row.away + (ulong)d));
     } else {
-      best = min(best, twice(listed_pixel(row, x, list + n, 1),
-                             listed_pixel(row, x + 1, list + n, 1),
-                             listed_pixel(row, x + 2, list + n, 1),
-                             listed_pixel(row, x + 3, list + n, 1)));
+      best =
+          min(best,
+              twice(listed_pixel(row, x, list + n, 1), listed_pixel(row, x + 1, list + n, 1),
+                    listed_pixel(row, x + 2, list + n, 1), listed_pixel(row, x + 3, list + n, 1)));
     }
   }
   return best;
@@ -102,9 +101,9 @@ static inline short decide(const Row row, int x, ulong key, int texture) {
   return (short)(key == NEVER || contrast < texture ? -1 : (int)(key & 255ul));
 }
 
-static inline void cell_row(const Row row, int x, int end, __global const short *map,
-                            __global const uchar *list, int count,
-                            __private const ulong *penalties, int texture, __global short *out) {
+static inline void cell_row(const Row row, int x, int end, __global const short* map,
+                            __global const uchar* list, int count, __private const ulong* penalties,
+                            int texture, __global short* out) {
   for (; x + 4 <= end; x += 4) {
     const ulong8 listed = listed_four(row, x, list, count);
     const ulong8 planes = twice(best_of_plane(row, x, map[x], penalties),
@@ -121,17 +120,17 @@ static inline void cell_row(const Row row, int x, int end, __global const short 
     out[x + 3] = (short)chosen.s6;
   }
   for (; x < end; ++x) {
-    const ulong best = min(listed_pixel(row, x, list, count),
-                           best_of_plane(row, x, map[x], penalties));
+    const ulong best =
+        min(listed_pixel(row, x, list, count), best_of_plane(row, x, map[x], penalties));
     out[x] = decide(row, x, best, texture);
   }
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void dense_match(
-    __global const uchar *restrict own, __global const uchar *restrict other,
-    __global const short *restrict map, __global const ushort *restrict counts,
-    __global const uchar *restrict lists, __global const ushort *restrict prior,
-    __global short *restrict disparities, int width, int height, int max_disparity, int right,
+    __global const uchar* restrict own, __global const uchar* restrict other,
+    __global const short* restrict map, __global const ushort* restrict counts,
+    __global const uchar* restrict lists, __global const ushort* restrict prior,
+    __global short* restrict disparities, int width, int height, int max_disparity, int right,
     int texture) {
   const int cy = (int)get_global_id(0);
   const int columns = (width + CELL - 1) / CELL;
@@ -150,8 +149,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void dense_match(
   }
   for (int y = cy * CELL; y < min((cy + 1) * CELL, height); ++y) {
     const size_t start = (size_t)y * (size_t)width;
-    const Row row = {own + start * 16, other + start * 16,    width,
-                     direction,        max_disparity,         (ulong)prior[PRIOR_ENTRIES - 1] << 8};
+    const Row row = {own + start * 16, other + start * 16, width,
+                     direction,        max_disparity,      (ulong)prior[PRIOR_ENTRIES - 1] << 8};
     for (int cx = 0; cx < columns; ++cx) {
       const size_t cell = (size_t)(cy * columns + cx);
       cell_row(row, cx * CELL, min((cx + 1) * CELL, width), map + start,
@@ -162,8 +161,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void dense_match(
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void consistency(
-    __global const short *restrict left, __global const short *restrict right,
-    __global ushort *restrict out, int width, int height, int lr_threshold) {
+    __global const short* restrict left, __global const short* restrict right,
+    __global ushort* restrict out, int width, int height, int lr_threshold) {
   const int begin = (int)get_global_id(0) * BAND;
   for (int y = begin; y < min(begin + BAND, height); ++y) {
     const size_t row = (size_t)y * (size_t)width;

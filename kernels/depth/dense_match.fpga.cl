@@ -14,10 +14,10 @@ static inline uint weigh(uchar16 mine, uchar16 theirs, int penalty, int d) {
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void dense_match(
-    __global const uchar *restrict own, __global const uchar *restrict other,
-    __global const short *restrict map, __global const ushort *restrict counts,
-    __global const uchar *restrict lists, __global const ushort *restrict prior,
-    __global short *restrict disparities, int width, int height, int max_disparity, int right,
+    __global const uchar* restrict own, __global const uchar* restrict other,
+    __global const short* restrict map, __global const ushort* restrict counts,
+    __global const uchar* restrict lists, __global const ushort* restrict prior,
+    __global short* restrict disparities, int width, int height, int max_disparity, int right,
     int texture) {
   uchar16 mine[FPGA_WIDTH];
   uchar16 line[FPGA_WIDTH];
@@ -39,7 +39,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void dense_match(
       const int count = counts[cell];
       uchar list[DISPARITIES];
       PIPELINE(1)
-      for (int n = 0; n < count; ++n) list[n] = lists[cell * (size_t)(max_disparity + 1) + (size_t)n];
+      for (int n = 0; n < count; ++n)
+        list[n] = lists[cell * (size_t)(max_disparity + 1) + (size_t)n];
       const int begin = cx * CELL;
       const int pixels = min(CELL, width - begin);
       uint best[CELL];
@@ -67,8 +68,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void dense_match(
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void consistency(
-    __global const short *restrict left, __global const short *restrict right,
-    __global ushort *restrict out, int width, int height, int lr_threshold) {
+    __global const short* restrict left, __global const short* restrict right,
+    __global ushort* restrict out, int width, int height, int lr_threshold) {
   short line[FPGA_WIDTH];
   for (int y = 0; y < height; ++y) {
     const size_t row = (size_t)y * (size_t)width;
@@ -78,7 +79,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void consistency(
     for (int x = 0; x < width; ++x) {
       const int d = left[row + (size_t)x];
       const int back = line[clamp(x - d, 0, width - 1)];
-      const bool good = d >= 0 && d <= x && back >= 0 && max(d, back) - min(d, back) <= lr_threshold;
+      const bool good =
+          d >= 0 && d <= x && back >= 0 && max(d, back) - min(d, back) <= lr_threshold;
       out[row + (size_t)x] = (ushort)(good ? max(d * 256, 1) : 0);
     }
   }

@@ -1,8 +1,8 @@
 // Dense maximum a-posteriori matching and the left-right check, GPU variant.
-// Assumes: 16-byte descriptors, row-major; max_disparity <= 255; an ascending list of disparities per
-// cell. Groups of 64 x 4 pixels, the NDRange rounded up to them; each stages the stretch of the other
-// view's rows that its disparities can reach in local memory (20 KiB at most), coalesced, columns
-// beyond the picture from inside it. Work-items of a cell read the same list.
+// Assumes: 16-byte descriptors, row-major; max_disparity <= 255; an ascending list of disparities
+// per cell. Groups of 64 x 4 pixels, the NDRange rounded up to them; each stages the stretch of the
+// other view's rows that its disparities can reach in local memory (20 KiB at most), coalesced,
+// columns beyond the picture from inside it. Work-items of a cell read the same list.
 #include "depth/constants.clh"
 #include "depth/distance_scalar.clh"
 
@@ -18,10 +18,10 @@ static inline uint weigh(uchar16 mine, uchar16 theirs, int penalty, int d) {
 }
 
 __kernel __attribute__((reqd_work_group_size(GROUP_X, GROUP_Y, 1))) void dense_match(
-    __global const uchar *restrict own, __global const uchar *restrict other,
-    __global const short *restrict map, __global const ushort *restrict counts,
-    __global const uchar *restrict lists, __global const ushort *restrict prior,
-    __global short *restrict disparities, int width, int height, int max_disparity, int right,
+    __global const uchar* restrict own, __global const uchar* restrict other,
+    __global const short* restrict map, __global const ushort* restrict counts,
+    __global const uchar* restrict lists, __global const ushort* restrict prior,
+    __global short* restrict disparities, int width, int height, int max_disparity, int right,
     int texture) {
   __local uchar16 tile[STRETCH * GROUP_Y];
   __local ushort table[PRIOR_ENTRIES];
@@ -42,7 +42,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP_X, GROUP_Y, 1))) void dense_m
   const size_t here = row + (size_t)x;
   const uchar16 mine = vload16(here, own);
   const int room = min(max_disparity, right != 0 ? width - 1 - x : x);
-  __local const uchar16 *line = tile + ly * STRETCH + lx + (right != 0 ? 0 : max_disparity);
+  __local const uchar16* line = tile + ly * STRETCH + lx + (right != 0 ? 0 : max_disparity);
   const int direction = right != 0 ? 1 : -1;
   uint best = NEVER;
   const int mu = map[here];
@@ -54,7 +54,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP_X, GROUP_Y, 1))) void dense_m
     }
   }
   const int cell = (y / CELL) * ((width + CELL - 1) / CELL) + x / CELL;
-  __global const uchar *list = lists + (size_t)cell * (size_t)(max_disparity + 1);
+  __global const uchar* list = lists + (size_t)cell * (size_t)(max_disparity + 1);
   const int count = counts[cell];
   const int away = table[PRIOR_ENTRIES - 1];
   for (int n = 0; n < count; ++n) {
@@ -66,8 +66,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP_X, GROUP_Y, 1))) void dense_m
 }
 
 __kernel __attribute__((reqd_work_group_size(GROUP_X, GROUP_Y, 1))) void consistency(
-    __global const short *restrict left, __global const short *restrict right,
-    __global ushort *restrict out, int width, int height, int lr_threshold) {
+    __global const short* restrict left, __global const short* restrict right,
+    __global ushort* restrict out, int width, int height, int lr_threshold) {
   const int x = (int)get_global_id(0);
   const int y = (int)get_global_id(1);
   if (x >= width || y >= height) return;

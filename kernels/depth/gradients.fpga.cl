@@ -5,7 +5,9 @@
 #include "common/fpga.clh"
 #include "depth/constants.clh"
 
-static inline uchar squeeze(int response) { return (uchar)clamp(128 + (response >> 2), 0, 255); }
+static inline uchar squeeze(int response) {
+  return (uchar)clamp(128 + (response >> 2), 0, 255);
+}
 
 // A column of the Sobel window.
 typedef struct {
@@ -13,11 +15,11 @@ typedef struct {
 } Three;
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void sobel(
-    __global const uchar *restrict image, __global uchar *restrict du, __global uchar *restrict dv,
+    __global const uchar* restrict image, __global uchar* restrict du, __global uchar* restrict dv,
     int width, int height) {
   uchar line[2][FPGA_WIDTH] PARTITION_COMPLETE(1);
   for (int r = 0; r <= height; ++r) {
-    __global const uchar *incoming = image + (size_t)min(r, height - 1) * (size_t)width;
+    __global const uchar* incoming = image + (size_t)min(r, height - 1) * (size_t)width;
     Three a = {0, 0, 0};
     Three b = a;
     Three c = a;  // a, b, c: columns from left to right
@@ -51,8 +53,8 @@ typedef struct {
 } Column;
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void descriptor(
-    __global const uchar *restrict du, __global const uchar *restrict dv,
-    __global uchar *restrict descriptors, int width, int height) {
+    __global const uchar* restrict du, __global const uchar* restrict dv,
+    __global uchar* restrict descriptors, int width, int height) {
   uchar u_line[4][FPGA_WIDTH] PARTITION_COMPLETE(1);
   uchar v_line[4][FPGA_WIDTH] PARTITION_COMPLETE(1);
   for (int r = 0; r < height + 2; ++r) {

@@ -6,9 +6,9 @@
 #include "depth/plane.clh"
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void grid_prior(
-    __global const short *restrict grid, __global ushort *restrict counts,
-    __global uchar *restrict lists, int columns, int rows, int grid_columns, int grid_rows, int step,
-    int max_disparity, int right) {
+    __global const short* restrict grid, __global ushort* restrict counts,
+    __global uchar* restrict lists, int columns, int rows, int grid_columns, int grid_rows,
+    int step, int max_disparity, int right) {
   const int cy = (int)get_global_id(0);
   if (cy >= rows) return;
   const int top = (cy * CELL + step - 1) / step;
@@ -30,7 +30,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void grid_prior(
       }
     }
     const int cell = cy * columns + cx;
-    __global uchar *list = lists + (size_t)cell * (size_t)(max_disparity + 1);
+    __global uchar* list = lists + (size_t)cell * (size_t)(max_disparity + 1);
     int n = 0;
     for (int d = 0; d <= max_disparity; ++d) {
       if (seen[d + 1] != 0) list[n++] = (uchar)d;
@@ -39,10 +39,10 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void grid_prior(
   }
 }
 
-static inline void fill_span(int4 plane, short8 c, int y, int width, __global short *map) {
+static inline void fill_span(int4 plane, short8 c, int y, int width, __global short* map) {
   const int2 columns = span(c, y, width);
   const int row = plane_row(plane, c, y);
-  __global short *out = map + (size_t)y * (size_t)width;
+  __global short* out = map + (size_t)y * (size_t)width;
   const int16 lanes = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   int x = columns.x;
   for (; x + 16 <= columns.y; x += 16) {
@@ -54,8 +54,8 @@ static inline void fill_span(int4 plane, short8 c, int y, int width, __global sh
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void plane_prior(
-    __global const short *restrict corners, __global const int *restrict planes,
-    __global short *restrict map, int width, int height, int triangles) {
+    __global const short* restrict corners, __global const int* restrict planes,
+    __global short* restrict map, int width, int height, int triangles) {
   const int top = (int)get_global_id(0) * BAND;
   const int bottom = min(top + BAND, height);
   for (size_t i = (size_t)top * (size_t)width; i < (size_t)bottom * (size_t)width; ++i) {

@@ -7,9 +7,9 @@
 #include "depth/plane.clh"
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void grid_prior(
-    __global const short *restrict grid, __global ushort *restrict counts,
-    __global uchar *restrict lists, int columns, int rows, int grid_columns, int grid_rows, int step,
-    int max_disparity, int right) {
+    __global const short* restrict grid, __global ushort* restrict counts,
+    __global uchar* restrict lists, int columns, int rows, int grid_columns, int grid_rows,
+    int step, int max_disparity, int right) {
   const int reach = right != 0 ? max_disparity : 0;
   uchar seen[DISPARITIES + 2] PARTITION_COMPLETE(1);  // at d + 1
   for (int cell = 0, cx = 0, cy = 0; cell < columns * rows; ++cell) {
@@ -30,7 +30,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void grid_prior(
         seen[d + 2] = 1;
       }
     }
-    __global uchar *list = lists + (size_t)cell * (size_t)(max_disparity + 1);
+    __global uchar* list = lists + (size_t)cell * (size_t)(max_disparity + 1);
     int n = 0;
     PIPELINE(1)
     for (int d = 0; d <= max_disparity; ++d) {
@@ -43,8 +43,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void grid_prior(
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void plane_prior(
-    __global const short *restrict corners, __global const int *restrict planes,
-    __global short *restrict map, int width, int height, int triangles) {
+    __global const short* restrict corners, __global const int* restrict planes,
+    __global short* restrict map, int width, int height, int triangles) {
   PIPELINE(1)
   for (size_t i = 0; i < (size_t)width * (size_t)height; ++i) map[i] = NO_PLANE;
   for (int t = 0; t < triangles; ++t) {

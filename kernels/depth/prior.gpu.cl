@@ -10,9 +10,9 @@
 #define WORDS 9  // bits d + 1 for d = -1 .. 256
 
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void grid_prior(
-    __global const short *restrict grid, __global ushort *restrict counts,
-    __global uchar *restrict lists, int columns, int rows, int grid_columns, int grid_rows, int step,
-    int max_disparity, int right) {
+    __global const short* restrict grid, __global ushort* restrict counts,
+    __global uchar* restrict lists, int columns, int rows, int grid_columns, int grid_rows,
+    int step, int max_disparity, int right) {
   __local uint seen[WORDS];
   const int lane = (int)get_local_id(0);
   const int cx = (int)get_group_id(0);
@@ -35,7 +35,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void grid_prior(
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   const int cell = cy * columns + cx;
-  __global uchar *list = lists + (size_t)cell * (size_t)(max_disparity + 1);
+  __global uchar* list = lists + (size_t)cell * (size_t)(max_disparity + 1);
   for (int d = lane; d <= max_disparity; d += GROUP) {
     const int bit = d + 1;
     if (((seen[bit / 32] >> (bit % 32)) & 1u) == 0) continue;
@@ -56,12 +56,12 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void grid_prior(
 }
 
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void plane_prior(
-    __global const short *restrict corners, __global const int *restrict planes,
-    __global short *restrict map, int width, int height, int triangles) {
+    __global const short* restrict corners, __global const int* restrict planes,
+    __global short* restrict map, int width, int height, int triangles) {
   const int lane = (int)get_local_id(0);
   const int top = (int)get_group_id(0) * BAND;
   const int bottom = min(top + BAND, height);
-  __global short *band = map + (size_t)top * (size_t)width;
+  __global short* band = map + (size_t)top * (size_t)width;
   for (int i = lane; i < (bottom - top) * width; i += GROUP) band[i] = NO_PLANE;
   barrier(CLK_GLOBAL_MEM_FENCE);
   for (int t = lane; t < triangles; t += GROUP) {

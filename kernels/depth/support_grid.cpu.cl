@@ -5,7 +5,7 @@
 #include "depth/constants.clh"
 #include "depth/support_grid.clh"
 
-static inline int supporters(__global const short *restrict grid, int columns, int i, int begin,
+static inline int supporters(__global const short* restrict grid, int columns, int i, int begin,
                              int end, int window, int threshold) {
   const int d = grid[i];
   int count = 0;
@@ -18,7 +18,7 @@ static inline int supporters(__global const short *restrict grid, int columns, i
   return count;
 }
 
-static inline short16 supporters16(__global const short *restrict grid, int columns, int i,
+static inline short16 supporters16(__global const short* restrict grid, int columns, int i,
                                    int begin, int end, int window, int threshold) {
   const short16 d = vload16(0, grid + i);
   short16 count = (short16)(0);
@@ -33,11 +33,11 @@ static inline short16 supporters16(__global const short *restrict grid, int colu
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void support_plausible(
-    __global const short *restrict grid, __global short *restrict out, int columns, int rows,
+    __global const short* restrict grid, __global short* restrict out, int columns, int rows,
     int window, int threshold, int least) {
   const int j = (int)get_global_id(0);
-  __global const short *row = grid + j * columns;
-  __global short *out_row = out + j * columns;
+  __global const short* row = grid + j * columns;
+  __global short* out_row = out + j * columns;
   const int begin = max(j - window, 0) - j;
   const int end = min(j + window, rows - 1) - j + 1;
   int i = 0;
@@ -58,13 +58,13 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void support_plausible(
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void support_redundant(
-    __global short *restrict grid, int columns, int rows, int vertical, int reach, int threshold) {
+    __global short* restrict grid, int columns, int rows, int vertical, int reach, int threshold) {
   thin(grid, columns, rows, vertical, (int)get_global_id(0), reach, threshold);
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void support_list(
-    __global const short *restrict grid, __global short *restrict list,
-    __global uint *restrict count, int columns, int rows, int step) {
+    __global const short* restrict grid, __global short* restrict list,
+    __global uint* restrict count, int columns, int rows, int step) {
   int n = 0;
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {

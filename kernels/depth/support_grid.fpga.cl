@@ -1,8 +1,8 @@
 // The support grid: plausible points, thinning, listing. FPGA variant.
 // Assumes: a grid of disparities, -1 for none, at most FPGA_COLUMNS wide; windows up to MAX_WINDOW.
-// One work-item. Plausible points: the rows of the window wait in line buffers, one bank each; every
-// clock counts one column of the window (II = 1, all its rows side by side). Thinning walks lines in
-// order, one neighbour pair per clock.
+// One work-item. Plausible points: the rows of the window wait in line buffers, one bank each;
+// every clock counts one column of the window (II = 1, all its rows side by side). Thinning walks
+// lines in order, one neighbour pair per clock.
 #include "common/fpga.clh"
 #include "depth/constants.clh"
 #include "depth/support_grid.clh"
@@ -10,7 +10,7 @@
 #define LINES (2 * MAX_WINDOW + 1)
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void support_plausible(
-    __global const short *restrict grid, __global short *restrict out, int columns, int rows,
+    __global const short* restrict grid, __global short* restrict out, int columns, int rows,
     int window, int threshold, int least) {
   short line[LINES][FPGA_COLUMNS] PARTITION_COMPLETE(1);
   for (int y = -window; y < rows + window; ++y) {
@@ -38,7 +38,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void support_plausible(
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void support_redundant(
-    __global short *restrict grid, int columns, int rows, int vertical, int reach, int threshold) {
+    __global short* restrict grid, int columns, int rows, int vertical, int reach, int threshold) {
   const int lines = vertical != 0 ? columns : rows;
   for (int line = 0; line < lines; ++line) {
     thin(grid, columns, rows, vertical, line, reach, threshold);
@@ -46,8 +46,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void support_redundant(
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void support_list(
-    __global const short *restrict grid, __global short *restrict list,
-    __global uint *restrict count, int columns, int rows, int step) {
+    __global const short* restrict grid, __global short* restrict list,
+    __global uint* restrict count, int columns, int rows, int step) {
   int n = 0;
   for (int j = 0; j < rows; ++j) {
     PIPELINE(1)

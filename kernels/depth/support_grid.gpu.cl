@@ -1,8 +1,8 @@
 // The support grid: plausible points, thinning, listing. GPU variant.
-// Assumes: a grid of disparities, -1 for none; windows up to MAX_WINDOW. Plausible points: groups of
-// 16 x 16 with their neighbourhood in local memory. Thinning: one line per work-item, 64 to a group,
-// since a line has to be walked in order. Listing: one group of LISTERS, each takes rows, so that the
-// list is in order of row and column whatever the timing.
+// Assumes: a grid of disparities, -1 for none; windows up to MAX_WINDOW. Plausible points: groups
+// of 16 x 16 with their neighbourhood in local memory. Thinning: one line per work-item, 64 to a
+// group, since a line has to be walked in order. Listing: one group of LISTERS, each takes rows, so
+// that the list is in order of row and column whatever the timing.
 #include "depth/constants.clh"
 #include "depth/support_grid.clh"
 
@@ -10,7 +10,7 @@
 #define LISTERS 256
 
 __kernel __attribute__((reqd_work_group_size(SIDE, SIDE, 1))) void support_plausible(
-    __global const short *restrict grid, __global short *restrict out, int columns, int rows,
+    __global const short* restrict grid, __global short* restrict out, int columns, int rows,
     int window, int threshold, int least) {
   __local short tile[(SIDE + 2 * MAX_WINDOW) * (SIDE + 2 * MAX_WINDOW)];
   const int stride = SIDE + 2 * window;
@@ -26,7 +26,7 @@ __kernel __attribute__((reqd_work_group_size(SIDE, SIDE, 1))) void support_plaus
   const int i = (int)get_global_id(0);
   const int j = (int)get_global_id(1);
   if (i >= columns || j >= rows) return;
-  __local const short *corner = tile + (int)get_local_id(1) * stride + (int)get_local_id(0);
+  __local const short* corner = tile + (int)get_local_id(1) * stride + (int)get_local_id(0);
   const short d = corner[window * stride + window];
   int count = 0;
   for (int y = 0; y <= 2 * window; ++y) {
@@ -39,7 +39,7 @@ __kernel __attribute__((reqd_work_group_size(SIDE, SIDE, 1))) void support_plaus
 }
 
 __kernel __attribute__((reqd_work_group_size(64, 1, 1))) void support_redundant(
-    __global short *restrict grid, int columns, int rows, int vertical, int reach, int threshold) {
+    __global short* restrict grid, int columns, int rows, int vertical, int reach, int threshold) {
   const int line = (int)get_global_id(0);
   if (line < (vertical != 0 ? columns : rows)) {
     thin(grid, columns, rows, vertical, line, reach, threshold);
@@ -47,8 +47,8 @@ __kernel __attribute__((reqd_work_group_size(64, 1, 1))) void support_redundant(
 }
 
 __kernel __attribute__((reqd_work_group_size(LISTERS, 1, 1))) void support_list(
-    __global const short *restrict grid, __global short *restrict list,
-    __global uint *restrict count, int columns, int rows, int step) {
+    __global const short* restrict grid, __global short* restrict list,
+    __global uint* restrict count, int columns, int rows, int step) {
   __local int ends[LISTERS];
   const int lane = (int)get_local_id(0);
   const int share = (rows + LISTERS - 1) / LISTERS;

@@ -11,46 +11,44 @@
 // One view's rows two above and two below the grid's, its row in the middle, and where disparities
 // lead in the other view.
 typedef struct {
-  __global const uchar *restrict own;
-  __global const uchar *restrict other;
+  __global const uchar* restrict own;
+  __global const uchar* restrict other;
   int direction;
   int width;
   int v;
 } View;
 
-static inline ulong8 four_times(__global const uchar *descriptor) {
-  const ulong2 d = vload2(0, (__global const ulong *)descriptor);
+static inline ulong8 four_times(__global const uchar* descriptor) {
+  const ulong2 d = vload2(0, (__global const ulong*)descriptor);
   return d.s01010101;
 }
 
 // The best disparity; `distinct` tells whether it passes the texture and ratio tests.
 static inline int match(const View view, int u, int max_disparity, int texture, int ratio,
-                        int *distinct) {
-  __global const uchar *above = view.own + ((size_t)(view.v - 2) * (size_t)view.width) * 16;
-  __global const uchar *below = view.own + ((size_t)(view.v + 2) * (size_t)view.width) * 16;
+                        int* distinct) {
+  __global const uchar* above = view.own + ((size_t)(view.v - 2) * (size_t)view.width) * 16;
+  __global const uchar* below = view.own + ((size_t)(view.v + 2) * (size_t)view.width) * 16;
   const ulong8 a = four_times(above + (u - 2) * 16);
   const ulong8 b = four_times(above + (u + 2) * 16);
   const ulong8 c = four_times(below + (u - 2) * 16);
   const ulong8 d = four_times(below + (u + 2) * 16);
-  __global const uchar *other_above =
-      view.other + ((size_t)(view.v - 2) * (size_t)view.width) * 16;
-  __global const uchar *other_below =
-      view.other + ((size_t)(view.v + 2) * (size_t)view.width) * 16;
+  __global const uchar* other_above = view.other + ((size_t)(view.v - 2) * (size_t)view.width) * 16;
+  __global const uchar* other_below = view.other + ((size_t)(view.v + 2) * (size_t)view.width) * 16;
   const int room = view.direction < 0 ? u - MARGIN : view.width - 1 - MARGIN - u;
   const int last = min(max_disparity, room);
 
   // Keys order by cost, then by disparity; each lies in two places. In memory the columns of four
   // disparities ascend: so do the disparities to the right, or they descend.
   ulong8 keys[DISPARITIES / 4];
-  const ulong8 order = view.direction < 0 ? (ulong8)(3, 3, 2, 2, 1, 1, 0, 0)
-                                          : (ulong8)(0, 0, 1, 1, 2, 2, 3, 3);
+  const ulong8 order =
+      view.direction < 0 ? (ulong8)(3, 3, 2, 2, 1, 1, 0, 0) : (ulong8)(0, 0, 1, 1, 2, 2, 3, 3);
   const int groups = (max_disparity + 4) / 4;
   ulong8 least = (ulong8)(NEVER);
   for (int k = 0; k < groups; ++k) {
     const int wanted = view.direction < 0 ? u - 4 * k - 3 : u + 4 * k;
     const int column = clamp(wanted, 2, view.width - 6);
-    __global const ulong *p = (__global const ulong *)(other_above + (column - 2) * 16);
-    __global const ulong *q = (__global const ulong *)(other_below + (column - 2) * 16);
+    __global const ulong* p = (__global const ulong*)(other_above + (column - 2) * 16);
+    __global const ulong* q = (__global const ulong*)(other_below + (column - 2) * 16);
     const ulong8 sums = sad4(a, vload8(0, p)) + sad4(b, vload8(1, p)) + sad4(c, vload8(0, q)) +
                         sad4(d, vload8(1, q));
     const ulong8 costs = sums + sums.s10325476;
@@ -71,16 +69,15 @@ static inline int match(const View view, int u, int max_disparity, int texture, 
   }
   const ulong second = least_of(least);
 
-  const uchar16 here =
-      vload16((size_t)view.v * (size_t)view.width + (size_t)u, view.own);
+  const uchar16 here = vload16((size_t)view.v * (size_t)view.width + (size_t)u, view.own);
   *distinct = texture16(here) >= texture && second != NEVER &&
               100ul * (best >> 8) <= (ulong)ratio * (second >> 8);
   return disparity;
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void support_match(
-    __global const uchar *restrict left, __global const uchar *restrict right,
-    __global short *restrict grid, int width, int height, int step, int max_disparity, int texture,
+    __global const uchar* restrict left, __global const uchar* restrict right,
+    __global short* restrict grid, int width, int height, int step, int max_disparity, int texture,
     int ratio, int lr_threshold) {
   const int row = (int)get_global_id(0);
   const int v = row * step;

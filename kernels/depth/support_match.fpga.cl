@@ -2,7 +2,8 @@
 // Assumes: 16-byte descriptors, row-major; pictures at least 2 MARGIN and at most FPGA_WIDTH wide;
 // max_disparity <= 255. One work-item. For each row of the grid two rows of either view's
 // descriptors enter on-chip memory once; then one disparity is weighed per clock (II = 1, four
-// distances side by side), and the costs, kept on the chip, are passed once more for the second best.
+// distances side by side), and the costs, kept on the chip, are passed once more for the second
+// best.
 #include "common/fpga.clh"
 #include "depth/constants.clh"
 #include "depth/distance_scalar.clh"
@@ -15,8 +16,8 @@ typedef struct {
   uchar16 below[FPGA_WIDTH];
 } Rows;
 
-static inline void load_rows(__global const uchar *restrict view, int width, int v,
-                             __private Rows *rows) {
+static inline void load_rows(__global const uchar* restrict view, int width, int v,
+                             __private Rows* rows) {
   PIPELINE(2)
   for (int x = 0; x < width; ++x) {
     rows->above[x] = vload16((size_t)(v - 2) * (size_t)width + (size_t)x, view);
@@ -24,8 +25,8 @@ static inline void load_rows(__global const uchar *restrict view, int width, int
   }
 }
 
-static inline int match(__private const Rows *own, __private const Rows *other, uchar16 here, int u,
-                        int direction, int last, int texture, int ratio, int *distinct) {
+static inline int match(__private const Rows* own, __private const Rows* other, uchar16 here, int u,
+                        int direction, int last, int texture, int ratio, int* distinct) {
   uint keys[DISPARITIES];
   const uchar16 a = own->above[u - 2];
   const uchar16 b = own->above[u + 2];
@@ -52,8 +53,8 @@ static inline int match(__private const Rows *own, __private const Rows *other, 
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void support_match(
-    __global const uchar *restrict left, __global const uchar *restrict right,
-    __global short *restrict grid, int width, int height, int step, int max_disparity, int texture,
+    __global const uchar* restrict left, __global const uchar* restrict right,
+    __global short* restrict grid, int width, int height, int step, int max_disparity, int texture,
     int ratio, int lr_threshold) {
   Rows left_rows;
   Rows right_rows;
@@ -76,8 +77,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void support_match(
         const int d = match(&left_rows, &right_rows, vload16(middle, left), u, -1,
                             min(max_disparity, u - MARGIN), texture, ratio, &distinct);
         const int room = width - 1 - MARGIN - (u - d);
-        const int back = match(&right_rows, &left_rows, vload16(middle - (size_t)d, right), u - d, 1,
-                               min(max_disparity, room), texture, ratio, &distinct_back);
+        const int back = match(&right_rows, &left_rows, vload16(middle - (size_t)d, right), u - d,
+                               1, min(max_disparity, room), texture, ratio, &distinct_back);
         if (distinct != 0 && distinct_back != 0 && max(d, back) - min(d, back) <= lr_threshold) {
           found = (short)d;
         }

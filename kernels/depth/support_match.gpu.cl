@@ -1,9 +1,9 @@
 // Disparities of the support grid, GPU variant.
 // Assumes: 16-byte descriptors, row-major; pictures at least 2 MARGIN wide; max_disparity <= 255.
-// One work-group of GROUP work-items takes one point of the grid: it stages the stretch of the other
-// view's two rows that all disparities need in local memory (column by column: coalesced), and each
-// work-item weighs every GROUP-th disparity. Columns beyond the picture are staged from inside it
-// and left out of the choice.
+// One work-group of GROUP work-items takes one point of the grid: it stages the stretch of the
+// other view's two rows that all disparities need in local memory (column by column: coalesced),
+// and each work-item weighs every GROUP-th disparity. Columns beyond the picture are staged from
+// inside it and left out of the choice.
 #include "depth/constants.clh"
 #include "depth/distance_scalar.clh"
 
@@ -12,15 +12,15 @@
 #define STRETCH (DISPARITIES + 4)
 
 typedef struct {
-  __global const uchar *restrict own;
-  __global const uchar *restrict other;
+  __global const uchar* restrict own;
+  __global const uchar* restrict other;
   int direction;
   int width;
   int v;
 } View;
 
 // The least of all work-items' keys; every work-item gets it.
-ALWAYS_INLINE uint least_of_group(uint key, __local uint *keys) {
+ALWAYS_INLINE uint least_of_group(uint key, __local uint* keys) {
   const int lane = (int)get_local_id(0);
   keys[lane] = key;
   for (int step = GROUP / 2; step > 0; step /= 2) {
@@ -34,7 +34,7 @@ ALWAYS_INLINE uint least_of_group(uint key, __local uint *keys) {
 }
 
 // Stages columns base .. base + max_disparity + 4 of rows v - 2 and v + 2.
-ALWAYS_INLINE void stage(const View view, int base, int max_disparity, __local uchar16 *stretch) {
+ALWAYS_INLINE void stage(const View view, int base, int max_disparity, __local uchar16* stretch) {
   const int count = max_disparity + 5;
   for (int i = (int)get_local_id(0); i < count; i += GROUP) {
     const int column = clamp(base + i, 0, view.width - 1);
@@ -47,7 +47,7 @@ ALWAYS_INLINE void stage(const View view, int base, int max_disparity, __local u
 }
 
 ALWAYS_INLINE int match(const View view, int u, int max_disparity, int texture, int ratio,
-                        int *distinct, __local uchar16 *stretch, __local uint *scratch) {
+                        int* distinct, __local uchar16* stretch, __local uint* scratch) {
   const int base = view.direction < 0 ? u - max_disparity - 2 : u - 2;
   stage(view, base, max_disparity, stretch);
   const size_t above = (size_t)(view.v - 2) * (size_t)view.width + (size_t)u;
@@ -89,8 +89,8 @@ ALWAYS_INLINE int match(const View view, int u, int max_disparity, int texture, 
 }
 
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void support_match(
-    __global const uchar *restrict left, __global const uchar *restrict right,
-    __global short *restrict grid, int width, int height, int step, int max_disparity, int texture,
+    __global const uchar* restrict left, __global const uchar* restrict right,
+    __global short* restrict grid, int width, int height, int step, int max_disparity, int texture,
     int ratio, int lr_threshold) {
   __local uchar16 stretch[2 * STRETCH];
   __local uint scratch[GROUP];
