@@ -77,7 +77,7 @@ struct Work {
   std::uint64_t group_items = 0;
   std::uint64_t group_local_bytes = 0;  ///< __local memory of one work-group
   std::uint32_t loop_count = 0;         ///< FPGA variants only: entries of `loops` in use
-  std::uint32_t estimated = 0;    ///< 1: derived from compiled code, not declared by the author
+  std::uint32_t estimated = 0;  ///< 1: derived from compiled code, not declared by the author
   std::array<WorkLoop, kMaxWorkLoops> loops{};
 
   std::uint64_t& operator[](OpClass c) { return ops[static_cast<std::size_t>(c)]; }
@@ -119,9 +119,9 @@ struct FpgaDesign {
   std::array<OnChipBuffer, kMaxBuffers> buffers{};
   std::uint32_t buffer_count = 0;
   std::array<std::uint32_t, kOpClasses> operators{};
-  std::uint32_t operand_bits = 16;    ///< typical width of an integer operator
-  std::uint32_t memory_ports = 1;     ///< AXI masters to the memory controller
-  std::uint32_t compute_units = 1;    ///< replication
+  std::uint32_t operand_bits = 16;  ///< typical width of an integer operator
+  std::uint32_t memory_ports = 1;   ///< AXI masters to the memory controller
+  std::uint32_t compute_units = 1;  ///< replication
 };
 
 // ---- The extension ------------------------------------------------------------------------------
@@ -150,7 +150,8 @@ using HostStepFn = cl_int(CL_API_CALL*)(const char* name, const Work* work);
 inline constexpr const char* kHostStep = "clHostStepPARTITA";
 
 /// `bytes` of sensor data travel from the node of the sensors to the thread's node; the thread
-/// waits for them. Free when both are the same node.
+/// waits for them. Free when both are the same node. A frame's data of one name travel to a node
+/// once: a second thread that asks for them waits for the same arrival.
 using SensorInputFn = cl_int(CL_API_CALL*)(const char* name, cl_ulong bytes);
 inline constexpr const char* kSensorInput = "clSensorInputPARTITA";
 

@@ -54,35 +54,50 @@ Energy energy(const Schedule& schedule, const Record& record, const profile::Mac
   for (std::size_t d = 0; d < machine.devices.size(); ++d) {
     if (machine.devices[d].is_host_cpu) device_item[d] = node_item[machine.devices[d].node];
   }
+  // Whole nanoseconds and bytes are summed first: the sums of fractions would depend on the order
+  // in which racing threads happened to be recorded.
+  std::vector<Ns> busy(schedule.engines.size(), 0);
+  std::vector<std::uint64_t> link_bytes(machine.links.size(), 0);
+  std::vector<std::uint64_t> device_bytes(machine.devices.size(), 0);
+  std::vector<std::uint64_t> node_bytes(machine.nodes.size(), 0);
   for (const Occupation& o : schedule.occupations) {
-    const Engine& engine = schedule.engines[o.engine];
-    const double busy = static_cast<double>(o.end - o.start) / kSecond;
-    if (engine.kind == EngineKind::core) {
-      const auto& host = machine.nodes[engine.node].host;
-      const double watts = (host.power.busy_w - host.power.idle_w) / host.performance.units;
-      energy.items[node_item[engine.node]].busy_j += watts * busy;
-    } else if (engine.kind == EngineKind::compute) {
-      const auto& device = machine.devices[engine.device].profile;
-      energy.items[device_item[engine.device]].busy_j += dynamic_watts(device, fpga_share) * busy;
-    } else if (engine.network != kNone) {
-      energy.items[link_item[engine.network]].transfer_j +=
-          machine.links[engine.network].transfer_j_per_byte *
-          static_cast<double>(record.commands[o.node].bytes);
-    }
+    busy[o.engine] += o.end - o.start;
+    const std::uint32_t network = schedule.engines[o.engine].network;
+    if (network != kNone) link_bytes[network] += record.commands[o.node].bytes;
   }
   for (const ScheduledCommand& s : schedule.commands) {
     const RecordedCommand& c = record.commands[s.command];
     if (!s.resolved || s.status < 0 || s.engine == kNone) continue;
     if (c.queue != kNone) {
-      const auto device = record.queues[c.queue].device;
-      energy.items[device_item[device]].transfer_j +=
-          machine.devices[device].profile.power.transfer_j_per_byte *
-          static_cast<double>(moved_bytes(c));
+      device_bytes[record.queues[c.queue].device] += moved_bytes(c);
     } else if (c.kind == CommandKind::host_step) {
-      const auto node = record.threads[c.thread].node;
-      energy.items[node_item[node]].transfer_j +=
-          machine.nodes[node].host.power.transfer_j_per_byte * static_cast<double>(moved_bytes(c));
+      node_bytes[record.threads[c.thread].node] += moved_bytes(c);
     }
+  }
+  for (std::size_t i = 0; i < busy.size(); ++i) {
+    const Engine& engine = schedule.engines[i];
+    const double seconds = static_cast<double>(busy[i]) / kSecond;
+    if (engine.kind == EngineKind::core) {
+      const auto& host = machine.nodes[engine.node].host;
+      const double watts = (host.power.busy_w - host.power.idle_w) / host.performance.units;
+      energy.items[node_item[engine.node]].busy_j += watts * seconds;
+    } else if (engine.kind == EngineKind::compute) {
+      const auto& device = machine.devices[engine.device].profile;
+      energy.items[device_item[engine.device]].busy_j +=
+          dynamic_watts(device, fpga_share) * seconds;
+    }
+  }
+  for (std::size_t i = 0; i < link_bytes.size(); ++i) {
+    energy.items[link_item[i]].transfer_j +=
+        machine.links[i].transfer_j_per_byte * static_cast<double>(link_bytes[i]);
+  }
+  for (std::size_t i = 0; i < device_bytes.size(); ++i) {
+    energy.items[device_item[i]].transfer_j +=
+        machine.devices[i].profile.power.transfer_j_per_byte * static_cast<double>(device_bytes[i]);
+  }
+  for (std::size_t i = 0; i < node_bytes.size(); ++i) {
+    energy.items[node_item[i]].transfer_j +=
+        machine.nodes[i].host.power.transfer_j_per_byte * static_cast<double>(node_bytes[i]);
   }
   return energy;
 }

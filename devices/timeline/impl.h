@@ -3,8 +3,10 @@
 #define PARTITA_DEVICES_TIMELINE_IMPL_H
 
 #include <deque>
+#include <map>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <unordered_map>
 #include <vector>
 
@@ -95,6 +97,7 @@ class Timeline::Impl {
   bool set_user_event(ThreadId thread, NodeId id, std::int32_t status);
   NodeId host_step(ThreadId thread, NameId name, const Demand& demand, const Work* work);
   NodeId sensor_input(ThreadId thread, NameId name, std::uint64_t bytes);
+  Placed arrival(NodeId id, const Thread& thread, NameId name, std::uint64_t bytes);
   void record_command(Thread& thread, NodeId id, const Command& command);
   void collect(const Command& command, NodeId id, Pending& wanted);
   void depend(NodeId on, NodeId id, bool listed, Pending& wanted);
@@ -115,6 +118,7 @@ class Timeline::Impl {
   Chunked<Node> nodes;
   std::vector<NodeId> free_nodes;
   std::unordered_map<NodeId, Pending> pending;
+  std::map<std::tuple<NameId, std::int64_t, std::uint32_t>, Placed> arrivals;  ///< frame's, at node
   std::uint64_t orders = 0;
   std::uint16_t epoch = 0;
   bool any_bound = false;

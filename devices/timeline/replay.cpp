@@ -190,6 +190,7 @@ class Replay {
     } else if (c.kind == CommandKind::host_step) {
       node = timeline_.host_step(player.id, c.name, c.demand);
     } else if (c.kind == CommandKind::sensor_input) {
+      timeline_.set_label(player.id, c.task, c.frame);
       node = timeline_.sensor_input(player.id, c.name, c.bytes);
     } else {
       auto waits = nodes_of(c.first_wait, c.wait_count);

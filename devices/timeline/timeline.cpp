@@ -92,6 +92,7 @@ std::uint32_t Timeline::Impl::recorded(Thread& t) {
 void Timeline::Impl::new_epoch() {
   ++epoch;
   placement.clear();
+  arrivals.clear();
   recorder.restart(static_cast<NodeId>(nodes.size()));
   free_nodes.clear();  // while recording, ids are dense
   for (Thread& t : threads) {

@@ -205,10 +205,9 @@ TEST_F(TimelineTest, CopiesAcrossNodesTakeTwoHops) {
 }
 
 TEST_F(TimelineTest, AFramesSensorDataTravelToANodeOnce) {
-  // The sensors' node of small_layout is not that of its SoC.
   const ThreadId first = timeline.add_thread("first"), second = timeline.add_thread("second");
-  timeline.bind_thread(first, "first", 1, kGpu0);
-  timeline.bind_thread(second, "second", 2, kGpu0);
+  timeline.bind_thread(first, "first", 1, kGpu1);
+  timeline.bind_thread(second, "second", 2, kGpu1);
   for (const ThreadId t : {first, second}) timeline.set_label(t, 0, 7);
   const Times one = timeline.times(timeline.sensor_input(first, 0, 1'000'000));
   const Times same = timeline.times(timeline.sensor_input(second, 0, 1'000'000));
