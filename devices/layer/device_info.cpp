@@ -309,25 +309,6 @@ Result from_3_0(const Device& d, cl_device_info name, const Answer& a) {
   }
 }
 
-/// Extensions' queries that follow from the profile.
-Result from_extensions(const Device& d, cl_device_info name, const Answer& a) {
-  if (!d.has("cl_nv_device_attribute_query")) return {};
-  constexpr cl_device_info kWarpSize = 0x4003, kGpuOverlap = 0x4004, kExecTimeout = 0x4005,
-                           kIntegratedMemory = 0x4006;
-  switch (name) {
-    case kWarpSize:
-      return a.put(u32(d.cl.preferred_work_group_multiple));
-    case kGpuOverlap:
-      return a.put<cl_bool>(CL_TRUE);
-    case kExecTimeout:
-      return a.put<cl_bool>(CL_FALSE);
-    case kIntegratedMemory:
-      return a.put(yes(d.cl.host_unified_memory));
-    default:
-      return {};
-  }
-}
-
 }  // namespace
 
 std::vector<cl_version> c_versions(const Device& d) {
@@ -352,8 +333,8 @@ std::vector<std::string> c_features(const Device& d) {
 
 cl_int device_info(const Device& device, cl_device_info name, const Answer& answer) {
   constexpr Result (*kGroups[])(const Device&, cl_device_info, const Answer&) = {
-      identity,  compute_limits, vector_widths, memory_limits,  image_limits,
-      partition, from_2_0,       from_3_0,      from_extensions};
+      identity,     compute_limits, vector_widths, memory_limits,
+      image_limits, partition,      from_2_0,      from_3_0};
   for (const auto group : kGroups) {
     if (const Result result = group(device, name, answer)) return *result;
   }
