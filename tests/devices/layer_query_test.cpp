@@ -95,7 +95,10 @@ TEST(Devices, VersionedExtensionsAreTheExtensionString) {
             CL_SUCCESS);
   list.resize(bytes / sizeof(cl_name_version));
   std::string joined;
-  for (const cl_name_version& e : list) joined += (joined.empty() ? "" : " ") + std::string(e.name);
+  for (const cl_name_version& e : list) {
+    if (!joined.empty()) joined += ' ';
+    joined += e.name;
+  }
   EXPECT_EQ(joined, device_text(gpu, CL_DEVICE_EXTENSIONS));
   EXPECT_EQ(joined.find("cl_mock_only"), std::string::npos);
 }
