@@ -8,8 +8,8 @@
 namespace partita::app {
 namespace {
 
-constexpr std::size_t kAhead =
-    4;  ///< frames that the quickest consumer may be ahead of the slowest
+constexpr std::size_t kAhead = 4;  ///< frames that the feed is ahead of a consumer
+constexpr std::size_t kLeft = std::numeric_limits<std::size_t>::max();
 constexpr std::uint64_t kFnvBasis = 0xcbf29ce484222325ULL;
 
 std::uint64_t hash(std::uint64_t state, const sensing::GrayImage& image) {
@@ -19,8 +19,11 @@ std::uint64_t hash(std::uint64_t state, const sensing::GrayImage& image) {
 
 }  // namespace
 
-FrameFeed::FrameFeed(const sensing::FrameSource& source, std::size_t frames, std::size_t consumers)
-    : source_(source), frames_(frames), position_(consumers, 0), thread_([this] { produce(); }) {}
+FrameFeed::FrameFeed(const sensing::FrameSource& source, std::size_t frames, std::size_t consumers,
+                     Pace pace)
+    : source_(source), frames_(frames), pace_(pace), position_(consumers, 0), thread_([this] {
+        produce();
+      }) {}
 
 FrameFeed::~FrameFeed() {
   {
@@ -31,13 +34,22 @@ FrameFeed::~FrameFeed() {
   thread_.join();
 }
 
+bool FrameFeed::may_produce(std::size_t index) const {
+  std::size_t slowest = kLeft, quickest = 0;
+  for (const std::size_t position : position_) {
+    if (position == kLeft) continue;
+    slowest = std::min(slowest, position);
+    quickest = std::max(quickest, position);
+  }
+  if (slowest == kLeft) return false;
+  return index < (pace_ == Pace::slowest ? slowest : quickest) + kAhead;
+}
+
 void FrameFeed::produce() {
   for (std::size_t index = 0; index < frames_; ++index) {
     {
       std::unique_lock lock(mutex_);
-      changed_.wait(lock, [&] {
-        return stop_ || index < *std::min_element(position_.begin(), position_.end()) + kAhead;
-      });
+      changed_.wait(lock, [&] { return stop_ || may_produce(index); });
       if (stop_) return;
     }
     std::shared_ptr<const sensing::Frame> frame;
@@ -76,14 +88,15 @@ std::shared_ptr<const sensing::Frame> FrameFeed::get(std::size_t consumer, std::
 void FrameFeed::leave(std::size_t consumer) {
   {
     const std::lock_guard lock(mutex_);
-    position_[consumer] = std::numeric_limits<std::size_t>::max() - kAhead;
+    position_[consumer] = kLeft;
   }
   changed_.notify_all();
 }
 
 std::string FrameFeed::hash(std::size_t count) const {
   const std::lock_guard lock(mutex_);
-  return fmt::format("{:016x}", count == 0 ? kFnvBasis : hashes_.at(count - 1));
+  const std::size_t known = std::min(count, hashes_.size());
+  return fmt::format("{:016x}", known == 0 ? kFnvBasis : hashes_[known - 1]);
 }
 
 }  // namespace partita::app

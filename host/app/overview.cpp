@@ -51,8 +51,9 @@ cv::Mat draw_disparity(const depth::DisparityMap& map) {
 }
 
 /// Both paths from above: x to the right, z (forward) upwards, one scale for both.
-cv::Mat draw_path(int size, const io::Trajectory& estimate, const io::Trajectory& truth) {
-  cv::Mat picture(size, size, CV_8UC3, cv::Scalar(40, 36, 32));
+cv::Mat draw_path(int width, int height, const io::Trajectory& estimate,
+                  const io::Trajectory& truth) {
+  cv::Mat picture(height, width, CV_8UC3, cv::Scalar(40, 36, 32));
   double x0 = 0, x1 = 0, z0 = 0, z1 = 0;
   for (const io::Trajectory* path : {&estimate, &truth}) {
     for (const Eigen::Isometry3d& pose : *path) {

@@ -87,8 +87,7 @@ class BranchDriver {
       clock.bind_thread(std::string(to_string(branch_)).c_str(), static_cast<unsigned>(index_),
                         session_.device());
       for (std::size_t k = 0; k < feed_.size() && progress_.may_start(branch_, k); ++k) {
-        const auto frame = feed_.get(index_, k);
-        if (!too_late(k)) step(process, frame, k);
+        if (!too_late(k)) step(process, feed_.get(index_, k), k);
         progress_.finished(branch_, k);
       }
     } catch (...) {

@@ -122,7 +122,8 @@ class Run {
 
   int process(Pipeline& pipeline, const io::OutputFolder& folder,
               const partition::Placement& placement, runtime::Execute execute) {
-    FrameFeed feed(*source_, frames_, partition::kBranches.size());
+    FrameFeed feed(*source_, frames_, partition::kBranches.size(),
+                   options_.drop_late ? FrameFeed::Pace::quickest : FrameFeed::Pace::slowest);
     const std::uint64_t warm_start = wall_now();
     pipeline.warm_up();
     Measurement measured;

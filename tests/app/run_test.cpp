@@ -20,10 +20,27 @@ using ::testing::HasSubstr;
 class RunTest : public ::testing::Test {
  protected:
   /// A run over a small scenario; its summary.
-  json run(const std::string& out, std::vector<std::string> more = {}) const {
-    std::vector<std::string> words{"run",      "--frames", "3",       "--width", "480",
-                                   "--height", "288",      "--quiet", "--out",   temp_.file(out)};
+  json run(const std::string& out, const std::vector<std::string>& more = {},
+           int frames = 3) const {
+    std::vector<std::string> words{
+        "run", "--width", "480", "--height", "288", "--frames", std::to_string(frames)};
     words.insert(words.end(), more.begin(), more.end());
+    return run_words(out, words);
+  }
+  /// The same frames from disk, where --rate says only when they arrive.
+  json run_from_disk(const std::string& out, const std::vector<std::string>& more) const {
+    if (!fs::exists(temp_.file("data"))) {
+      EXPECT_EQ(partita({"generate", "--out", temp_.file("data"), "--frames", "8", "--width", "480",
+                         "--height", "288", "--quiet"})
+                    .status,
+                0);
+    }
+    std::vector<std::string> words{"run", "--dataset", temp_.file("data")};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_words(out, words);
+  }
+  json run_words(const std::string& out, std::vector<std::string> words) const {
+    words.insert(words.end(), {"--quiet", "--out", temp_.file(out)});
     return partita_json(words);
   }
   std::string bytes(const std::string& out, const std::string& file) const {
@@ -127,18 +144,18 @@ TEST_F(RunTest, BothBranchesOnOneDeviceAreDeterministicToo) {
 }
 
 TEST_F(RunTest, LatenessNeverChangesDataUnlessAsked) {
-  run("slow");
-  const json fast = run("fast", {"--rate", "5000"});
+  run_from_disk("slow", {});
+  const json fast = run_from_disk("fast", {"--rate", "5000"});
   EXPECT_GT(fast["predicted"]["late_frames"], 0);
   expect_same_results("slow", "fast");
 }
 
 TEST_F(RunTest, DroppingIsDeterministic) {
-  const std::vector<std::string> words{"--rate", "5000", "--drop-late", "--frames", "8"};
-  const json first = run("first", words);
+  const std::vector<std::string> words{"--rate", "5000", "--drop-late"};
+  const json first = run_from_disk("first", words);
   EXPECT_FALSE(first["dropped_frames"]["scene"].empty());
   const Load load;
-  const json second = run("second", words);
+  const json second = run_from_disk("second", words);
   EXPECT_EQ(first["dropped_frames"], second["dropped_frames"]);
   EXPECT_EQ(first["predicted"], second["predicted"]);
   EXPECT_EQ(bytes("first", "trajectory.tum"), bytes("second", "trajectory.tum"));
@@ -154,7 +171,7 @@ TEST_F(RunTest, NativeHasMeasuredFiguresOnly) {
 
 TEST_F(RunTest, AnEarlierRunsFolderIsUsedAgain) {
   run("out");
-  run("out", {"--frames", "2"});
+  run("out", {}, 2);
   EXPECT_FALSE(fs::exists(temp_.file("out/disparity/000002.png"))) << "an old picture was left";
 }
 
@@ -194,7 +211,7 @@ std::vector<std::pair<double, double>> executed(const json& trace, const std::st
 
 TEST_F(RunTest, TheDevicesKernelsOverlapInWallTime) {
   if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "one core: nothing can overlap";
-  run("out", {"--frames", "6", "--width", "1280", "--height", "720"});
+  run_words("out", {"run", "--frames", "6"});
   const json trace = json::parse(bytes("out", "trace.json"));
   const auto fpga = executed(trace, "zcu102"), gpu = executed(trace, "gtx1060");
   ASSERT_FALSE(fpga.empty());
