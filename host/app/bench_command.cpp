@@ -22,18 +22,18 @@ struct OverheadOptions {
   bool child = false;  ///< internal: measure raw launches in this process and print them
 };
 
-std::vector<double> measure_in_child(const std::string& machine) {
+void measure_in_child(const std::string& machine, std::vector<Batch>& batches) {
   std::istringstream text(run_self({"bench", "overhead", "--child", "--machine", machine}));
-  std::vector<double> values;
-  for (double value = 0; text >> value;) values.push_back(value);
-  return values;
+  for (Batch batch; text >> batch.calls >> batch.all;) batches.push_back(batch);
 }
 
 int print_raw_launches(const std::string& machine) {
   set_emulation({.machine = machine});
   for (const runtime::Device& device : runtime::find_devices()) {
     if (!device.accepts_source) continue;
-    for (const double ns : raw_launches(device, {})) fmt::print("{:.1f}\n", ns);
+    for (const Batch& batch : raw_launches(device, {})) {
+      fmt::print("{:.1f} {:.1f}\n", batch.calls, batch.all);
+    }
     return exit_ok;
   }
   throw DeviceError(fmt::format("bench: machine {} has no device that takes source", machine));
@@ -44,6 +44,10 @@ Json compared(double without, double with) {
           {"with_ns", with},
           {"added_ns", with - without},
           {"ratio", with / without}};
+}
+
+Json compared(const Batch& without, const Batch& with) {
+  return {{"calls", compared(without.calls, with.calls)}, {"all", compared(without.all, with.all)}};
 }
 
 void add_row(Table& table, const std::string& name, const Json& values) {
@@ -57,12 +61,12 @@ int overhead(const OverheadOptions& options, const Console& console) {
     throw UsageError("bench: the overhead of the layer needs an emulated machine");
   }
   machine_file(options.machine);  // complains about it before anything is measured
-  std::vector<double> bare, layered;
+  std::vector<Batch> bare, layered;
   ProgressBar bar(console, "bench overhead", static_cast<std::size_t>(options.rounds));
   for (int round = 0; round < options.rounds; ++round) {
     // In turns, so that a change of the machine's load meets both sides.
-    for (const double ns : measure_in_child(kNativeMachine)) bare.push_back(ns);
-    for (const double ns : measure_in_child(options.machine)) layered.push_back(ns);
+    measure_in_child(kNativeMachine, bare);
+    measure_in_child(options.machine, layered);
     bar.update(static_cast<std::size_t>(round) + 1);
   }
   set_emulation({.machine = kNativeMachine});
@@ -84,8 +88,10 @@ int overhead(const OverheadOptions& options, const Console& console) {
   measured["layer"] = compared(median(bare), median(layered));
   measured["framework"] = compared(median(pair.raw), median(pair.framework));
   Table table({"measured", "without", "with", "added", "ratio"});
-  add_row(table, "layer, per command", measured["layer"]);
-  add_row(table, "framework, per launch", measured["framework"]);
+  add_row(table, "layer, calls of a command", measured["layer"]["calls"]);
+  add_row(table, "layer, whole batch / commands", measured["layer"]["all"]);
+  add_row(table, "framework, calls of a launch", measured["framework"]["calls"]);
+  add_row(table, "framework, whole batch / launches", measured["framework"]["all"]);
   console.result(fmt::format("{}On {}: {}.\n", table.to_string(console.colour()), device.name,
                              document["what"].get<std::string>()),
                  document);
@@ -130,10 +136,12 @@ int start(const std::string& machine, int runs, const Console& console) {
   bar.clear();
   Json document;
   document["machine"] = machine;
-  document["measured"] = {{"runs", list}, {"later_median_s", median(later)}};
+  std::nth_element(later.begin(), later.begin() + runs / 2, later.end());
+  const double typical = later[static_cast<std::size_t>(runs) / 2];
+  document["measured"] = {{"runs", list}, {"later_median_s", typical}};
   console.result(fmt::format("{}Median of the later runs: {:.3f} s from the process's start to the "
                              "first frame, on machine {}.\n",
-                             table.to_string(console.colour()), median(later), machine),
+                             table.to_string(console.colour()), typical, machine),
                  document);
   return exit_ok;
 }

@@ -49,7 +49,7 @@ class Bench {
     framework(1);
   }
 
-  double raw(std::size_t commands) {
+  Batch raw(std::size_t commands) {
     const bool declares = session_.extension().present();
     const Work work = tiny_spec().work(Variant::cpu, {});
     const cl_mem memory = count_();
@@ -61,18 +61,24 @@ class Bench {
       clEnqueueNDRangeKernel(session_.queue()(), raw_kernel_(), 3, nullptr, one, one, 0, nullptr,
                              nullptr);
     }
-    session_.finish();
-    return static_cast<double>(wall_now() - start) / static_cast<double>(commands);
+    return finished(start, commands);
   }
 
-  double framework(std::size_t commands) {
+  Batch framework(std::size_t commands) {
     const std::uint64_t start = wall_now();
     for (std::size_t i = 0; i < commands; ++i) kernel_.launch({{"items", 1}}, count_);
-    session_.finish();
-    return static_cast<double>(wall_now() - start) / static_cast<double>(commands);
+    return finished(start, commands);
   }
 
  private:
+  Batch finished(std::uint64_t start, std::size_t commands) const {
+    const std::uint64_t called = wall_now();
+    session_.finish();
+    const auto count = static_cast<double>(commands);
+    return {static_cast<double>(called - start) / count,
+            static_cast<double>(wall_now() - start) / count};
+  }
+
   runtime::Session session_;
   runtime::Kernel kernel_;
   cl::Kernel raw_kernel_;
@@ -81,9 +87,9 @@ class Bench {
 
 }  // namespace
 
-std::vector<double> raw_launches(const runtime::Device& device, const Batches& size) {
+std::vector<Batch> raw_launches(const runtime::Device& device, const Batches& size) {
   Bench bench(device);
-  std::vector<double> times;
+  std::vector<Batch> times;
   for (std::size_t i = 0; i < size.batches; ++i) times.push_back(bench.raw(size.commands));
   return times;
 }
@@ -98,10 +104,15 @@ Pair raw_and_framework_launches(const runtime::Device& device, const Batches& si
   return pair;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+Batch median(const std::vector<Batch>& batches) {
+  const auto middle = [&batches](double Batch::*which) {
+    std::vector<double> values;
+    for (const Batch& batch : batches) values.push_back(batch.*which);
+    std::nth_element(values.begin(),
+                     values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+    return values[values.size() / 2];
+  };
+  return {middle(&Batch::calls), middle(&Batch::all)};
 }
 
 }  // namespace partita::app

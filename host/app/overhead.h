@@ -10,25 +10,32 @@
 
 namespace partita::app {
 
-/// Nanoseconds per command, one value per batch. A batch is `commands` launches of a kernel that
-/// does next to nothing, on one in-order profiling queue, with a clFinish at its end, which is
-/// included.
+/// A batch is `commands` launches of a kernel that does next to nothing, on one in-order profiling
+/// queue, and a clFinish at its end.
 struct Batches {
   std::size_t commands = 2000;
   std::size_t batches = 15;
 };
 
+/// Nanoseconds per command of one batch: what the calls took on the host thread, and all of it
+/// until the clFinish returned (which the device's worker may bound instead).
+struct Batch {
+  double calls = 0;
+  double all = 0;
+};
+
 /// clSetKernelArg and clEnqueueNDRangeKernel, with nothing of ours around them; where the layer is,
 /// each launch declares its Work, as ours do.
-std::vector<double> raw_launches(const runtime::Device& device, const Batches& size);
+std::vector<Batch> raw_launches(const runtime::Device& device, const Batches& size);
 
 /// The same launches, in turns through OpenCL directly and through runtime::Kernel::launch.
 struct Pair {
-  std::vector<double> raw, framework;
+  std::vector<Batch> raw, framework;
 };
 Pair raw_and_framework_launches(const runtime::Device& device, const Batches& size);
 
-double median(std::vector<double> values);
+/// Of `calls` and of `all`, each for itself. Not of nothing.
+Batch median(const std::vector<Batch>& batches);
 
 }  // namespace partita::app
 

@@ -64,13 +64,13 @@ cv::Mat draw_path(int width, int height, const io::Trajectory& estimate,
     }
   }
   constexpr double kMargin = 40;
-  const double metres = std::max({x1 - x0, z1 - z0, 1.0});
-  const double scale = (size - 2 * kMargin) / metres;
+  const double scale = std::min((width - 2 * kMargin) / std::max(x1 - x0, 1.0),
+                                (height - 2 * kMargin) / std::max(z1 - z0, 1.0));
   const auto draw = [&](const io::Trajectory& path, const cv::Scalar& colour, int thickness) {
     std::vector<cv::Point> points;
     for (const Eigen::Isometry3d& pose : path) {
-      const double u = size / 2.0 + (pose.translation().x() - (x0 + x1) / 2) * scale;
-      const double v = size - kMargin - (pose.translation().z() - z0) * scale;
+      const double u = width / 2.0 + (pose.translation().x() - (x0 + x1) / 2) * scale;
+      const double v = height - kMargin - (pose.translation().z() - z0) * scale;
       points.emplace_back(static_cast<int>(std::lround(u)), static_cast<int>(std::lround(v)));
     }
     cv::polylines(picture, points, false, colour, thickness, cv::LINE_AA);
@@ -78,10 +78,11 @@ cv::Mat draw_path(int width, int height, const io::Trajectory& estimate,
   draw(truth, kGrey, 5);
   draw(estimate, kBlue, 2);
   caption(picture, truth.empty() ? "path" : "path (blue) over truth (grey)");
-  const int bar =
-      static_cast<int>(scale * std::max(1.0, std::pow(10, std::floor(std::log10(metres / 2)))));
-  cv::line(picture, {20, size - 15}, {20 + bar, size - 15}, kWhite, 2);
-  caption(picture, cv::format("%.0f m", bar / scale), {28 + bar, size - 9});
+  // A bar of 1, 10, 100 ... metres, a third of the width at most.
+  const double metres = std::pow(10, std::floor(std::log10(std::max(width / 3.0 / scale, 1.0))));
+  const int bar = static_cast<int>(scale * metres);
+  cv::line(picture, {20, height - 15}, {20 + bar, height - 15}, kWhite, 2);
+  caption(picture, cv::format("%.0f m", metres), {28 + bar, height - 9});
   return picture;
 }
 
@@ -101,7 +102,9 @@ void write_overview(const std::string& path, const DepthOutput& depth,
   const cv::Mat below = draw_disparity(*depth.first_map());
   cv::Mat pictures, all;
   cv::vconcat(left, below, pictures);
-  cv::hconcat(pictures, draw_path(pictures.rows, from_first(estimate), from_first(truth)), all);
+  cv::hconcat(pictures,
+              draw_path(pictures.rows / 2, pictures.rows, from_first(estimate), from_first(truth)),
+              all);
   std::vector<unsigned char> bytes;
   cv::imencode(".png", all, bytes);
   io::write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
