@@ -6,7 +6,7 @@ build_packages=(
   g++ cmake ninja-build pkg-config
   ocl-icd-opencl-dev ocl-icd-libopencl1 opencl-headers opencl-clhpp-headers pocl-opencl-icd
   libopencv-dev libeigen3-dev libsuitesparse-dev libceres-dev libboost-dev
-  libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev libspdlog-dev
+  libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev
   libgtest-dev libgmock-dev libbenchmark-dev llvm-15-dev
 )
 test_packages=(clang-15 oclgrind clinfo clpeak python3-pyopencl python3-numpy)
