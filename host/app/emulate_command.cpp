@@ -140,7 +140,7 @@ void add_emulate(CLI::App& app, Context& context) {
   add_machine_option(command, options->emulation.machine);
   command->add_flag("--allow-source", options->emulation.allow_source,
                     "Let an emulated FPGA compile source: no real card does, for what-if runs");
-  command->add_option("--fault", options->emulation.fault, "Inject a fault, as in docs/faults.md");
+  command->add_option("--fault", options->emulation.fault, "Inject a fault, as in docs/emulation.md");
   command->add_flag("--report", options->report,
                     "Predicted time per kernel, on stderr, when the program has ended");
   command->callback([options, &context] {

@@ -18,7 +18,7 @@ const Places& places();
 struct EmulationOptions {
   std::string machine = "dragonfly";  ///< name or file; "native": no layer at all
   bool allow_source = false;          ///< lift the FPGA's no-source rule
-  std::string fault = {};             ///< fault injection, see docs; empty: none
+  std::string fault = {};             ///< fault injection, see docs/emulation.md; empty: none
   bool recording = false;             ///< keep the graph for Extension::export_record
   std::string record = {};            ///< file for the record at process exit; empty: none
 };

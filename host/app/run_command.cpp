@@ -297,7 +297,7 @@ void add_run(CLI::App& app, Context& context) {
   command->add_flag("--drop-late", options->drop_late,
                     "Skip frames whose successor has already arrived (by predicted time)");
   command->add_flag("--allow-source", options->allow_source, "Let an emulated FPGA compile source");
-  command->add_option("--fault", options->fault, "Inject a fault, as in docs/faults.md");
+  command->add_option("--fault", options->fault, "Inject a fault, as in docs/emulation.md");
   command->callback([options, scenario, &context] {
     context.action = [options, &context] { return Run(*options, context.console).execute(); };
   });
