@@ -37,6 +37,15 @@ void refuse_foreign_folder(const std::string& path, bool force) {
       "{}: holds files that no earlier run wrote; choose another --out or add --force", path));
 }
 
+/// An earlier run's results must not be taken for this one's if this one ends early.
+void remove_earlier_results(const io::OutputFolder& folder) {
+  std::error_code ignored;
+  for (const char* name :
+       {"overview.png", "trajectory.txt", "trajectory.tum", "trace.json", "summary.json"}) {
+    fs::remove(folder.file(name), ignored);
+  }
+}
+
 /// Seconds since this process was started, dynamic linking included.
 double seconds_since_start() {
   std::ifstream stat("/proc/self/stat");
@@ -77,6 +86,7 @@ class Run {
     Pipeline pipeline({options_.machine, placement, execute, options_.drop_late},
                       source_->calibration());
     const io::OutputFolder folder = output([&] { return io::OutputFolder(options_.out); });
+    remove_earlier_results(folder);
     catch_stop_signals();
     return process(pipeline, folder, placement, execute);
   }

@@ -173,6 +173,20 @@ TEST_F(RunTest, AnEarlierRunsFolderIsUsedAgain) {
   run("out");
   run("out", {}, 2);
   EXPECT_FALSE(fs::exists(temp_.file("out/disparity/000002.png"))) << "an old picture was left";
+  const Outcome failed =
+      partita({"run", "--dataset", temp_.file("nowhere"), "--out", temp_.file("out"), "--quiet"});
+  EXPECT_EQ(failed.status, 3);
+  EXPECT_TRUE(fs::exists(temp_.file("out/summary.json"))) << "nothing ran, so nothing is replaced";
+}
+
+TEST_F(RunTest, ADeviceThatIsLostEndsTheRunInOneLine) {
+  run("out");
+  const Outcome lost =
+      partita({"run", "--frames", "3", "--width", "480", "--height", "288", "--fault",
+               "device=gtx1060:lost@100", "--quiet", "--out", temp_.file("out")});
+  expect_one_line(lost, 4, {"GTX 1060", "CL_OUT_OF_RESOURCES"});
+  EXPECT_FALSE(fs::exists(temp_.file("out/summary.json")) &&
+               !fs::exists(temp_.file("out/PARTIAL")));
 }
 
 /// Every placement of both branches, with fast execution.
