@@ -41,7 +41,11 @@ class Registry {
     if (last.use_count() == 1) slots_.erase(it);
     return last;
   }
-  std::size_t size() const { return slots_.size(); }
+  /// Entries that are alive.
+  std::size_t size() {
+    sweep();
+    return slots_.size();
+  }
 
  private:
   struct Slot {
@@ -49,7 +53,13 @@ class Registry {
     std::weak_ptr<Entry> any;
     std::uint32_t references = 0;
   };
+  /// Forgets handles whose entries another entry was the last to need.
+  void sweep() {
+    std::erase_if(slots_, [](const auto& slot) { return slot.second.any.expired(); });
+  }
+
   std::unordered_map<Handle, Slot> slots_;
+  std::size_t sweep_at_ = 64;
 };
 
 }  // namespace partita::layer
