@@ -48,7 +48,7 @@ int spawn_and_wait(const std::vector<std::string>& words) {
 
 struct KernelRow {
   std::uint64_t calls = 0, total_ns = 0;
-  bool estimated = false;
+  bool kernel = false, estimated = false;
 };
 
 /// Predicted time on the device per command name, from the canonical replay of the record.
@@ -64,6 +64,7 @@ void report(const std::string& record_file, const Console& console) {
     if (name.empty()) name = fmt::format("({})", timeline::to_string(command.kind));
     KernelRow& row = rows[{device, name}];
     ++row.calls;
+    row.kernel |= command.kind == timeline::CommandKind::kernel;
     row.total_ns += scheduled.times.end - scheduled.times.start;
     row.estimated |= command.work != timeline::kNone && record.works[command.work].estimated != 0;
   }
@@ -78,7 +79,9 @@ void report(const std::string& record_file, const Console& console) {
     table.add({key.first, key.second, std::to_string(row.calls),
                format_ns(static_cast<double>(row.total_ns)),
                format_ns(static_cast<double>(row.total_ns) / static_cast<double>(row.calls)),
-               row.estimated ? "estimated" : "declared"});
+               !row.kernel     ? "-"
+               : row.estimated ? "estimated"
+                               : "declared"});
     list.push_back({{"device", key.first},
                     {"command", key.second},
                     {"calls", row.calls},
@@ -140,7 +143,8 @@ void add_emulate(CLI::App& app, Context& context) {
   add_machine_option(command, options->emulation.machine);
   command->add_flag("--allow-source", options->emulation.allow_source,
                     "Let an emulated FPGA compile source: no real card does, for what-if runs");
-  command->add_option("--fault", options->emulation.fault, "Inject a fault, as in docs/emulation.md");
+  command->add_option("--fault", options->emulation.fault,
+                      "Inject a fault, as in docs/emulation.md");
   command->add_flag("--report", options->report,
                     "Predicted time per kernel, on stderr, when the program has ended");
   command->callback([options, &context] {
