@@ -28,4 +28,10 @@ void add_machine_option(CLI::App* command, std::string& machine) {
       ->capture_default_str();
 }
 
+void add_container_option(CLI::App* command, std::string& container) {
+  command->add_option("--container", container,
+                      "Kernels of a device that takes no source (on a Xilinx card an xclbin); "
+                      "default: packaged for the emulated one");
+}
+
 }  // namespace partita::app

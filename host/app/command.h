@@ -25,6 +25,8 @@ CLI::App* add_subcommand(CLI::App& parent, Context& context, const std::string& 
 
 /// --machine, with the names that there are.
 void add_machine_option(CLI::App* command, std::string& machine);
+/// --container, for a device that takes no source and was not packaged for.
+void add_container_option(CLI::App* command, std::string& container);
 
 void add_run(CLI::App& app, Context& context);
 void add_devices(CLI::App& app, Context& context);

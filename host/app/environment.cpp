@@ -91,6 +91,9 @@ void set_emulation(const EmulationOptions& options) {
                     kLayerName));
   }
   set_or_unset("OPENCL_LAYERS", others.empty() ? places().layer : places().layer + ":" + others);
+  // ocl-icd would start PoCL, to sort the platforms, before the layer has asked it for one worker
+  // thread for each emulated device.
+  setenv("OCL_ICD_PLATFORM_SORT", "none", 1);
   set_or_unset("PARTITA_MACHINE", file);
   set_or_unset("PARTITA_PROFILES", places().profiles);
   set_or_unset("PARTITA_ALLOW_SOURCE", options.allow_source ? "1" : "");

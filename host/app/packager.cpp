@@ -104,9 +104,10 @@ std::string container_for(const profile::DeviceProfile& device, runtime::Execute
 }
 
 std::string container_for(const runtime::Device& device, const std::string& machine,
-                          runtime::Execute model) {
+                          runtime::Execute model, const std::string& given) {
+  if (!given.empty()) return given;
   if (!device.emulated()) {
-    throw Error(fmt::format("{}: takes no source; its container must come from the vendor's tools",
+    throw Error(fmt::format("{}: takes no source: name its container (an xclbin) with --container",
                             device.name));
   }
   for (const profile::MachineDevice& candidate :

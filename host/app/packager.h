@@ -30,10 +30,11 @@ std::string container_name(const std::string& profile, runtime::Execute model);
 /// or that has changed since, one that is packaged now and kept in the user's cache folder.
 std::string container_for(const profile::DeviceProfile& device, runtime::Execute model);
 
-/// The same, by an emulated device that takes no source and the machine that it belongs to. For a
-/// real device it throws Error: its container comes from the vendor's tools.
+/// `given`, if the user named one; else the same by an emulated device that takes no source and the
+/// machine that it belongs to. For a real device without one it throws Error: its container comes
+/// from the vendor's tools.
 std::string container_for(const runtime::Device& device, const std::string& machine,
-                          runtime::Execute model);
+                          runtime::Execute model, const std::string& given);
 
 }  // namespace partita::app
 

@@ -19,7 +19,7 @@ std::unique_ptr<runtime::Session> open_session(const PipelineOptions& options,
   runtime::SessionOptions session;
   session.execute = options.execute;
   if (!device.accepts_source) {
-    session.container = container_for(device, options.machine, options.execute);
+    session.container = container_for(device, options.machine, options.execute, options.container);
   }
   return std::make_unique<runtime::Session>(
       device, branch == Branch::localization ? frontend::kernel_specs() : depth::kernel_specs(),

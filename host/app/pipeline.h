@@ -26,6 +26,7 @@ struct PipelineOptions {
   partition::Placement placement;
   runtime::Execute execute = runtime::Execute::fast;
   bool drop_late = false;
+  std::string container;  ///< for a device that takes no source; empty: packaged for the machine
 };
 
 /// A frame as one branch processed it; times are wall_now()'s.

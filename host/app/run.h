@@ -21,6 +21,7 @@ struct RunOptions {
   std::string dataset;  ///< empty: the built-in scenario
   std::string machine = "dragonfly";
   std::string placement;
+  std::string container;   ///< empty: packaged for the machine
   std::string execute;     ///< own, fast or empty: fast where the devices are emulated
   std::size_t frames = 0;  ///< 0: all of them
   std::string out = "partita-out";

@@ -83,8 +83,9 @@ class Run {
     const runtime::Execute execute =
         options_.execute == "own" || (options_.execute.empty() && native) ? runtime::Execute::own
                                                                           : runtime::Execute::fast;
-    Pipeline pipeline({options_.machine, placement, execute, options_.drop_late},
-                      source_->calibration());
+    Pipeline pipeline(
+        {options_.machine, placement, execute, options_.drop_late, options_.container},
+        source_->calibration());
     const io::OutputFolder folder = output([&] { return io::OutputFolder(options_.out); });
     remove_earlier_results(folder);
     catch_stop_signals();
@@ -303,6 +304,7 @@ void add_run(CLI::App& app, Context& context) {
                    "CPU variant (default: fast; native: own)")
       ->check(CLI::IsMember({"own", "fast"}));
   command->add_option("-o,--out", options->out, "Folder for the results")->capture_default_str();
+  add_container_option(command, options->container);
   command->add_flag("--force", options->force, "Write into a folder that holds foreign files");
   command->add_flag("--drop-late", options->drop_late,
                     "Skip frames whose successor has already arrived (by predicted time)");

@@ -21,6 +21,7 @@ using runtime::Variant;
 struct Options {
   std::string machine = "dragonfly";
   std::string device;
+  std::string container;
   std::string variant;
   std::vector<std::string> kernels;
   bool full = false;
@@ -102,7 +103,8 @@ class Verifier {
     runtime::SessionOptions session_options;
     session_options.variant = variant;
     if (!device.accepts_source) {
-      session_options.container = container_for(device, options_.machine, runtime::Execute::own);
+      session_options.container =
+          container_for(device, options_.machine, runtime::Execute::own, options_.container);
     }
     const runtime::Session session(device, specs, session_options);
     ProgressBar bar(console_, device.name, specs.size());
@@ -172,6 +174,7 @@ void add_verify(CLI::App& app, Context& context) {
       ->add_option("--variant", options->variant,
                    "Text to check instead of the device's own, where it takes source")
       ->check(CLI::IsMember({"cpu", "gpu", "fpga"}));
+  add_container_option(command, options->container);
   command->add_option("-k,--kernel", options->kernels, "Only these kernels, by commas")
       ->delimiter(',');
   command->add_flag("--full", options->full, "Also the large shapes, up to full pictures");
