@@ -67,9 +67,8 @@ class Run {
 
   int execute() {
     const bool native = options_.machine == kNativeMachine;
-    const partition::Placement placement = partition::parse_placement(
-        options_.placement,
-        native ? partition::Placement{{"cpu", "cpu"}} : partition::Placement{{"fpga", "gpu"}});
+    const partition::Placement placement =
+        partition::parse_placement(options_.placement, default_placement());
     if (native && options_.drop_late) {
       throw UsageError(
           "run: --drop-late decides by predicted times, which --machine native has not");
@@ -80,9 +79,10 @@ class Run {
                    .recording = true});
     open_source();
     refuse_foreign_folder(options_.out, options_.force);
-    const runtime::Execute execute =
-        options_.execute == "own" || (options_.execute.empty() && native) ? runtime::Execute::own
-                                                                          : runtime::Execute::fast;
+    // A container that the user names holds the device's own circuits.
+    const bool own = options_.execute.empty() ? native || !options_.container.empty()
+                                              : options_.execute == "own";
+    const runtime::Execute execute = own ? runtime::Execute::own : runtime::Execute::fast;
     Pipeline pipeline(
         {options_.machine, placement, execute, options_.drop_late, options_.container},
         source_->calibration());
@@ -93,19 +93,23 @@ class Run {
   }
 
  private:
-  /// The paper's division of labour, with what the machine has: localization on an FPGA before a
-  /// GPU before a CPU, the scene on a GPU before a CPU.
+  /// The paper's division of labour, as far as the machine has the devices: localization on an FPGA
+  /// before a GPU before a CPU, the scene on a GPU before a CPU before an FPGA.
   partition::Placement default_placement() const {
-    partition::Placement placement{{"cpu", "cpu"}};
-    if (options_.machine == kNativeMachine) return placement;
+    if (options_.machine == kNativeMachine) return {{"cpu", "cpu"}};
+    using Type = profile::DeviceType;
     const profile::Machine machine = profile::load_machine(options_.machine, places().profiles);
-    const auto has = [&machine](profile::DeviceType type) {
-      return std::any_of(machine.devices.begin(), machine.devices.end(),
-                         [type](const auto& device) { return device.profile.type == type; });
+    const auto first_of = [&machine](std::initializer_list<Type> wanted) -> std::string {
+      for (const Type type : wanted) {
+        for (const profile::MachineDevice& device : machine.devices) {
+          if (device.profile.type != type) continue;
+          return type == Type::fpga ? "fpga" : type == Type::gpu ? "gpu" : "cpu";
+        }
+      }
+      return "cpu";
     };
-    if (has(profile::DeviceType::gpu)) placement = {{"gpu", "gpu"}};
-    if (has(profile::DeviceType::fpga)) placement.device[0] = "fpga";
-    return placement;
+    return {{first_of({Type::fpga, Type::gpu, Type::cpu}),
+             first_of({Type::gpu, Type::cpu, Type::fpga})}};
   }
 
   void open_source() {
