@@ -1,4 +1,5 @@
-// What no emulated device has: shared virtual memory and pipes. Queries say so
+// What no emulated device has: shared virtual memory, pipes and the specialization constants of
+// intermediate languages. Queries say so
 // (device_info.cpp), and the calls are refused as OpenCL 3.0 asks for it.
 #include "devices/layer/calls.h"
 #include "devices/layer/launch.h"
@@ -48,6 +49,11 @@ cl_mem CL_API_CALL create_pipe(cl_context, cl_mem_flags, cl_uint, cl_uint,
   return nullptr;
 }
 
+cl_int CL_API_CALL set_specialization_constant(cl_program program, cl_uint, std::size_t,
+                                               const void*) {
+  return program ? CL_INVALID_OPERATION : CL_INVALID_PROGRAM;
+}
+
 }  // namespace
 
 void add_absent_calls(cl_icd_dispatch& table) {
@@ -62,6 +68,7 @@ void add_absent_calls(cl_icd_dispatch& table) {
   table.clSetKernelArgSVMPointer = set_svm_arg;
   table.clSetKernelExecInfo = set_exec_info;
   table.clCreatePipe = create_pipe;
+  table.clSetProgramSpecializationConstant = set_specialization_constant;
 }
 
 }  // namespace partita::layer

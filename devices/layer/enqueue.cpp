@@ -1,5 +1,6 @@
 #include "devices/layer/enqueue.h"
 
+#include <algorithm>
 #include <array>
 
 #include "devices/layer/commands.h"
@@ -45,6 +46,12 @@ timeline::Command inside(cl_command_queue handle, timeline::CommandKind kind, st
                                                                              : model.copy(bytes));
   }
   return command;
+}
+
+cl_int check_wait_list(const Enqueue& e) {
+  const bool valid = (e.wait_count == 0) == (e.waits == nullptr) &&
+                     std::count(e.waits, e.waits + e.wait_count, nullptr) == 0;
+  return valid ? CL_SUCCESS : CL_INVALID_EVENT_WAIT_LIST;
 }
 
 bool needs_event(const Enqueue& e) {

@@ -19,6 +19,9 @@ struct Enqueue {
 
 std::shared_ptr<Queue> find_queue(cl_command_queue handle);
 
+/// CL_INVALID_EVENT_WAIT_LIST for a list that PoCL would follow into nothing.
+cl_int check_wait_list(const Enqueue& e);
+
 /// Whether the driver must make an event for this command.
 bool needs_event(const Enqueue& e);
 
@@ -35,6 +38,7 @@ cl_int after_command(const Queue& queue, const Enqueue& e, timeline::Command com
 template <typename Call>
 cl_int enqueue_on(const Queue& queue, const Enqueue& e, const timeline::Command& command,
                   Call&& call) {
+  if (const cl_int error = check_wait_list(e); error != CL_SUCCESS) return error;
   if (const cl_int error = before_command(queue); error != CL_SUCCESS) return error;
   cl_event event = nullptr;
   const cl_int error = call(needs_event(e) ? &event : nullptr);

@@ -35,7 +35,6 @@ std::vector<cl_event> with_marker(const Enqueue& e, cl_event before);
 template <typename Call>
 cl_int enqueue_image(const Enqueue& e, cl_command_type type, const timeline::Command& command,
                      Call&& call) {
-  if ((e.wait_count == 0) != (e.waits == nullptr)) return CL_INVALID_EVENT_WAIT_LIST;
   const cl_int result = enqueue(e, command, [&](cl_event* event) {
     cl_int error = CL_SUCCESS;
     const WholeDeviceQueue whole(e.queue, error);

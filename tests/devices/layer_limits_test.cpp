@@ -111,6 +111,31 @@ TEST(Images, AreRefusedWhereThereAreNone) {
       CL_INVALID_OPERATION);
 }
 
+TEST(Images, AreNotReadAndWrittenByOneKernel) {
+  Rig rig(CL_DEVICE_TYPE_GPU);
+  cl_uint arguments = 99, formats = 99;
+  EXPECT_EQ(cl.clGetDeviceInfo(rig.device, CL_DEVICE_MAX_READ_WRITE_IMAGE_ARGS, sizeof arguments,
+                               &arguments, nullptr),
+            CL_SUCCESS);
+  EXPECT_EQ(arguments, 0u);
+  EXPECT_EQ(cl.clGetSupportedImageFormats(rig.context, CL_MEM_KERNEL_READ_AND_WRITE,
+                                          CL_MEM_OBJECT_IMAGE2D, 0, nullptr, &formats),
+            CL_SUCCESS);
+  EXPECT_EQ(formats, 0u);
+}
+
+TEST(WaitLists, WithoutEventsAreRefused) {
+  Rig rig(CL_DEVICE_TYPE_GPU);
+  const cl_event none = nullptr;
+  EXPECT_EQ(cl.clEnqueueMarkerWithWaitList(rig.queue, 1, nullptr, nullptr),
+            CL_INVALID_EVENT_WAIT_LIST);
+  EXPECT_EQ(cl.clEnqueueMarkerWithWaitList(rig.queue, 1, &none, nullptr),
+            CL_INVALID_EVENT_WAIT_LIST);
+  EXPECT_EQ(cl.clEnqueueMarkerWithWaitList(rig.queue, 0, &none, nullptr),
+            CL_INVALID_EVENT_WAIT_LIST);
+  EXPECT_EQ(cl.clEnqueueMarkerWithWaitList(rig.queue, 0, nullptr, nullptr), CL_SUCCESS);
+}
+
 TEST(Build, TheLanguageIsTheDevices) {
   Rig rig(CL_DEVICE_TYPE_GPU);
   EXPECT_EQ(rig.build("kernel", "-cl-std=CL2.0"), CL_BUILD_PROGRAM_FAILURE);

@@ -197,5 +197,15 @@ TEST(Absent, SharedVirtualMemoryAndPipes) {
   EXPECT_EQ(error, CL_INVALID_OPERATION);
 }
 
+TEST(Absent, SpecializationConstants) {
+  Rig rig(CL_DEVICE_TYPE_GPU);
+  ASSERT_EQ(rig.build("kernel"), CL_SUCCESS);
+  const cl_uint value = 42;
+  EXPECT_EQ(cl.clSetProgramSpecializationConstant(rig.program, 0, sizeof value, &value),
+            CL_INVALID_OPERATION);
+  EXPECT_EQ(cl.clSetProgramSpecializationConstant(nullptr, 0, sizeof value, &value),
+            CL_INVALID_PROGRAM);
+}
+
 }  // namespace
 }  // namespace partita::mock
