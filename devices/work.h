@@ -149,8 +149,8 @@ inline constexpr const char* kSetWork = "clSetWorkPARTITA";
 using HostStepFn = cl_int(CL_API_CALL*)(const char* name, const Work* work);
 inline constexpr const char* kHostStep = "clHostStepPARTITA";
 
-/// `bytes` of sensor data travel from the node of the sensors to the thread's node; the thread
-/// waits for them. Free when both are the same node. A frame's data of one name travel to a node
+/// `bytes` of sensor data travel from the node of the sensors to the thread's node, from the time
+/// that the thread last waited for (the trigger); the thread waits for them. Free when both are the same node. A frame's data of one name travel to a node
 /// once: a second thread that asks for them waits for the same arrival.
 using SensorInputFn = cl_int(CL_API_CALL*)(const char* name, cl_ulong bytes);
 inline constexpr const char* kSensorInput = "clSensorInputPARTITA";

@@ -6,6 +6,8 @@
 #include <string>
 
 #include "devices/layer/estimate_plugin.h"
+#include "devices/layer/program.h"
+#include "devices/layer/program_text.h"
 
 namespace partita::layer {
 namespace {
@@ -45,6 +47,40 @@ std::string driver_binary(cl_program program) {
   return binary;
 }
 
+/// The source, compiled and not linked. Before it gives out the binary of a built program, PoCL
+/// compiles all its kernels to machine code: seconds, for kernels that may never be launched.
+std::string compile_alone(cl_kernel handle, const Program& program, const std::string& given) {
+  cl_context context = nullptr;
+  target().clGetKernelInfo(handle, CL_KERNEL_CONTEXT, sizeof context, &context, nullptr);
+  cl_int error = CL_SUCCESS;
+  const cl_program twin = create_driver_program(context, program.devices, program.source, error);
+  if (!twin) return {};
+  const BuildOptions options = build_options(given.c_str(), program.devices);
+  error = target().clCompileProgram(twin, 0, nullptr, options.text.c_str(), 0, nullptr, nullptr,
+                                    nullptr, nullptr);
+  std::string binary = error == CL_SUCCESS ? driver_binary(twin) : std::string();
+  target().clReleaseProgram(twin);
+  return binary;
+}
+
+/// The same once for each build of the program; empty if it was not built from source.
+std::shared_ptr<const std::string> unlinked_binary(cl_kernel handle, Program& program) {
+  std::string options;
+  std::uint32_t build = 0;
+  {
+    const Lock lock(state().mutex);
+    build = program.builds;
+    if (program.unlinked && program.unlinked_build == build) return program.unlinked;
+    options = program.options;
+  }
+  auto binary = std::make_shared<const std::string>(
+      program.source.empty() ? std::string() : compile_alone(handle, program, options));
+  const Lock lock(state().mutex);
+  program.unlinked = binary;
+  program.unlinked_build = build;
+  return binary;
+}
+
 /// PoCL's binary is a list of files: length of the name, name, length, contents. The program's
 /// bitcode, before the work-group loops are built around it, is "/program.bc".
 std::string_view find_bitcode(const std::string& binary) {
@@ -63,8 +99,9 @@ ItemEstimate make_estimate(cl_kernel handle, const Kernel& kernel) {
   target().clGetKernelInfo(handle, CL_KERNEL_PROGRAM, sizeof program, &program, nullptr);
   const EstimateFn estimate = plugin();
   if (program && estimate) {
-    const std::string binary = driver_binary(program);
-    const std::string_view bitcode = find_bitcode(binary);
+    const auto unlinked = unlinked_binary(handle, *kernel.program);
+    const std::string built = unlinked->empty() ? driver_binary(program) : std::string();
+    const std::string_view bitcode = find_bitcode(unlinked->empty() ? built : *unlinked);
     ItemEstimate item;
     if (!bitcode.empty() && estimate(bitcode.data(), bitcode.size(), kernel.name.c_str(),
                                      kDefaultTrips, &item.per_item, &item.iterations) == 0) {

@@ -253,13 +253,15 @@ NodeId Timeline::Impl::host_step(ThreadId thread_id, NameId name, const Demand& 
   return id;
 }
 
-/// The same data of a frame travel to a node once; who asks second waits for what is on its way.
+/// The sensors send when they have data, whether or not the thread is free to receive. The same
+/// data of a frame travel to a node once; who asks second waits for what is on its way.
 Placed Timeline::Impl::arrival(NodeId id, const Thread& t, NameId name, std::uint64_t bytes) {
-  if (t.frame < 0) return placement.network(id, layout.sensor_node, t.node, t.clock, bytes);
+  const Ns ready = node(id).times.submit;
+  if (t.frame < 0) return placement.network(id, layout.sensor_node, t.node, ready, bytes);
   const auto [entry, first] = arrivals.try_emplace({name, t.frame, t.node});
-  if (first) entry->second = placement.network(id, layout.sensor_node, t.node, t.clock, bytes);
+  if (first) entry->second = placement.network(id, layout.sensor_node, t.node, ready, bytes);
   const Placed& there = entry->second;
-  return {std::max(there.start, t.clock), std::max(there.end, t.clock)};
+  return {std::max(there.start, ready), std::max(there.end, ready)};
 }
 
 NodeId Timeline::Impl::sensor_input(ThreadId thread_id, NameId name, std::uint64_t bytes) {
@@ -271,7 +273,7 @@ NodeId Timeline::Impl::sensor_input(ThreadId thread_id, NameId name, std::uint64
   c.name = name;
   c.bytes = bytes;
   record_command(t, id, c);
-  node(id).times.queued = node(id).times.submit = t.clock;
+  node(id).times.queued = node(id).times.submit = std::min(t.clock, t.trigger);
   settle(id, arrival(id, t, name, bytes), 0);
   const Ns end = node(id).times.end;
   if (end > t.clock) advance(t, end + layout.nodes[t.node].wakeup_ns);

@@ -26,6 +26,7 @@ class Timeline::Impl {
     std::uint32_t node = 0;
     NameId task = 0;
     std::int64_t frame = -1;
+    Ns trigger = kLatest;  ///< what it last waited for: from then on its sensors have data
     std::uint32_t recorded = kNone;  ///< its place in the record, from its first action on
     std::uint32_t rank = kNone;
     NodeId after = kNone;  ///< of a callback

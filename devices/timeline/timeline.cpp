@@ -97,6 +97,7 @@ void Timeline::Impl::new_epoch() {
   free_nodes.clear();  // while recording, ids are dense
   for (Thread& t : threads) {
     t.clock = 0;
+    t.trigger = kLatest;
     t.recorded = kNone;
     t.after = kNone;
   }
@@ -274,6 +275,7 @@ void Timeline::wait_until(ThreadId id, Ns time) {
   if (impl_->options.record && impl_->recorder.open()) {
     impl_->recorder.action(impl_->recorded(t), ActionType::wait_until, 0, time);
   }
+  t.trigger = time;
   impl_->advance(t, time);
 }
 

@@ -116,7 +116,8 @@ class Timeline {
   /// A declared host step: a core of the thread's node, from H on; H becomes its END. Owned as a
   /// command is.
   NodeId host_step(ThreadId thread, NameId name, const Demand& demand, const Work* work = nullptr);
-  /// Bytes from the sensors' node to the thread's node; the thread waits for them. What one frame
+  /// Bytes from the sensors' node to the thread's node, sent from the time that the thread last
+  /// waited for (the trigger), be it busy then or not; the thread waits for them. What one frame
   /// calls by one name travels to a node once: a second thread waits for the same arrival.
   NodeId sensor_input(ThreadId thread, NameId name, std::uint64_t bytes);
 

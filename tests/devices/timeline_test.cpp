@@ -217,6 +217,23 @@ TEST_F(TimelineTest, AFramesSensorDataTravelToANodeOnce) {
   EXPECT_GT(next.end, one.end);
 }
 
+TEST_F(TimelineTest, SensorsSendAtTheirTriggerThoughTheThreadIsBusy) {
+  timeline.set_label(thread, 0, 0);
+  timeline.wait_until(thread, 1'000'000);
+  const Times prompt = timeline.times(timeline.sensor_input(thread, 0, 1'000'000));
+  EXPECT_EQ(prompt.queued, 1'000'000u);
+  timeline.finish(thread, timeline.add_queue(kGpu1, false));
+  const NodeId work = enqueue(kernel(in_order, 200'000'000));
+  timeline.wait(thread, {&work, 1});
+  timeline.set_label(thread, 0, 1);
+  timeline.wait_until(thread, 101'000'000);  // has passed
+  const Ns before = timeline.clock(thread);
+  const Times late = timeline.times(timeline.sensor_input(thread, 0, 1'000'000));
+  EXPECT_EQ(late.queued, 101'000'000u);
+  EXPECT_EQ(late.end - late.queued, prompt.end - prompt.queued);
+  EXPECT_EQ(timeline.clock(thread), before);  // it was there already
+}
+
 TEST_F(TimelineTest, MapsMoveNothingInSharedMemory) {
   ThreadId soc = timeline.add_thread("soc");
   timeline.bind_thread(soc, "soc", 1, kGpu0);
