@@ -100,7 +100,10 @@ cl_program create_from_wrapped(cl_context handle, std::shared_ptr<Program> entry
                                cl_int* status, cl_int& error) {
   for (std::size_t i = 0; i < binaries.size(); ++i) {
     const auto wrapped = unwrap_binary(binaries[i]);
-    const bool fits = wrapped && wrapped->device == entry->devices[i]->profile.id;
+    const Device& device = *entry->devices[i];
+    // What a program built from source on an FPGA, in a what-if run, is no xclbin.
+    const bool loadable = !device.is_fpga() || state().allow_source;
+    const bool fits = loadable && wrapped && wrapped->device == device.profile.id;
     if (status) status[i] = fits ? CL_SUCCESS : CL_INVALID_BINARY;
     if (!fits) error = CL_INVALID_BINARY;
     if (fits) entry->keeps_arg_info = wrapped->keeps_arg_info;
