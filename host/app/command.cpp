@@ -1,6 +1,9 @@
 #include "host/app/command.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
 
 namespace partita::app {
 
@@ -32,6 +35,29 @@ void add_container_option(CLI::App* command, std::string& container) {
   command->add_option("--container", container,
                       "Kernels of a device that takes no source (on a Xilinx card an xclbin); "
                       "default: packaged for the emulated one");
+}
+
+CLI::Validator seed_range() {
+  const auto check = [](const std::string& text) -> std::string {
+    std::uint64_t seed = 0;
+    const char* end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), end, seed);
+    if (error == std::errc() && rest == end) return {};
+    return "'" + text + "' is not a whole number from 0 to 2^64-1";
+  };
+  return {check, "0 - 2^64-1"};
+}
+
+CLI::Validator rate_range(double least, double most) {
+  const CLI::Validator range = CLI::Range(least, most);
+  const auto check = [range](const std::string& text) -> std::string {
+    double rate = 0;
+    if (CLI::detail::lexical_cast(text, rate) && std::isnan(rate)) {
+      return "'" + text + "' is not a number";
+    }
+    return range(text);
+  };
+  return {check, range.get_description()};
 }
 
 }  // namespace partita::app

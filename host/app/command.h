@@ -28,6 +28,11 @@ void add_machine_option(CLI::App* command, std::string& machine);
 /// --container, for a device that takes no source and was not packaged for.
 void add_container_option(CLI::App* command, std::string& container);
 
+/// For --seed: 0 to 2^64-1. A conversion alone would wrap what is outside.
+CLI::Validator seed_range();
+/// For --rate: as CLI::Range, which lets "nan" pass.
+CLI::Validator rate_range(double least, double most);
+
 void add_run(CLI::App& app, Context& context);
 void add_devices(CLI::App& app, Context& context);
 void add_emulate(CLI::App& app, Context& context);

@@ -22,7 +22,7 @@ int generate(const GenerateOptions& options, const Console& console) {
   std::error_code code;
   const bool occupied = std::filesystem::is_directory(options.out, code) &&
                         !std::filesystem::is_empty(options.out, code);
-  if (occupied && !io::is_partial(options.out) && !options.force) {
+  if (occupied && !io::is_partial(options.out, io::kGenerateWriter) && !options.force) {
     throw OutputError(
         fmt::format("{}: is not empty; choose another --out or add --force", options.out));
   }
@@ -63,6 +63,7 @@ void add_generate(CLI::App& app, Context& context) {
   command->add_option("-o,--out", options->out, "Folder to write")->required();
   command->add_flag("--force", options->force, "Write into a folder that is not empty");
   command->add_option("--seed", scenario.seed, "Another seed is another street")
+      ->check(seed_range())
       ->capture_default_str();
   command->add_option("--frames", scenario.frames, "Stereo frames")
       ->check(CLI::Range(1, 100000))
@@ -74,7 +75,7 @@ void add_generate(CLI::App& app, Context& context) {
       ->check(CLI::Range(64, 8192))
       ->capture_default_str();
   command->add_option("--rate", scenario.rate_hz, "Frames per second")
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(rate_range(0.1, 1000.0))
       ->capture_default_str();
   command->callback([options, &context] {
     context.action = [options, &context] { return generate(*options, context.console); };

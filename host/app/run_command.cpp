@@ -4,8 +4,10 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <unistd.h>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -25,25 +27,69 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// An earlier run's folder may be overwritten; somebody else's files may not.
-void refuse_foreign_folder(const std::string& path, bool force) {
-  std::error_code code;
-  if (force || !fs::exists(path, code) || !fs::is_directory(path, code)) return;
-  if (fs::is_empty(path, code) || io::is_partial(path)) return;
-  std::ifstream summary(fs::path(path) / "summary.json");
+constexpr const char* kResults[] = {"overview.png", "trajectory.txt", "trajectory.tum",
+                                    "trace.json", "summary.json"};
+
+bool is_earlier_run(const fs::path& folder) {
+  if (io::is_partial(folder.string(), io::kRunWriter)) return true;
+  std::ifstream summary(folder / "summary.json");
   std::string brace, key, value;
-  if (summary >> brace >> key >> value && key == "\"tool\":" && value == "\"partita\",") return;
-  throw OutputError(fmt::format(
-      "{}: holds files that no earlier run wrote; choose another --out or add --force", path));
+  return summary >> brace >> key >> value && key == "\"tool\":" && value == "\"partita\",";
+}
+
+/// An earlier run's folder may be overwritten. Somebody else's may be written into with --force,
+/// but none of its files replaced: what bears a result's name must not be there.
+void refuse_foreign_folder(const fs::path& folder, bool force) {
+  std::error_code code;
+  if (!fs::is_directory(folder, code) || fs::is_empty(folder, code)) return;
+  if (is_earlier_run(folder)) return;
+  if (!force) {
+    throw OutputError(
+        fmt::format("{}: holds files that no earlier run wrote; choose another --out or add "
+                    "--force",
+                    folder.string()));
+  }
+  std::vector<std::string> names(std::begin(kResults), std::end(kResults));
+  names.insert(names.end(), {"disparity", "PARTIAL"});
+  for (const std::string& name : names) {
+    const fs::path path = folder / name;
+    if (!fs::exists(fs::symlink_status(path, code))) continue;
+    if (fs::is_directory(path, code) && fs::is_empty(path, code)) continue;
+    throw OutputError(
+        fmt::format("{}: no earlier run wrote it, and even --force does not replace it; choose "
+                    "another --out",
+                    path.string()));
+  }
+}
+
+/// Whether `path` is `folder` or lies in it; both without symbolic links.
+bool is_within(const fs::path& path, const fs::path& folder) {
+  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first ==
+         folder.end();
+}
+
+/// Results in the data set's own folders would replace its truth, even with --force. Folders are
+/// compared as they are on disk: a data set may be put together from symbolic links.
+void refuse_dataset_folder(const fs::path& out, const fs::path& dataset) {
+  const fs::path results = fs::weakly_canonical(out);
+  const fs::path disparity = fs::weakly_canonical(out / "disparity");
+  const fs::path whole = fs::canonical(dataset);
+  bool shared = is_within(results, whole) || is_within(disparity, whole);
+  for (const auto& entry : fs::directory_iterator(whole)) {
+    if (!entry.is_directory()) continue;
+    const fs::path part = fs::canonical(entry.path());
+    shared = shared || is_within(results, part) || is_within(disparity, part) ||
+             results == part.parent_path();
+  }
+  if (!shared) return;
+  throw OutputError(fmt::format("{}: would write into the data set '{}'; choose another --out",
+                                out.string(), dataset.string()));
 }
 
 /// An earlier run's results must not be taken for this one's if this one ends early.
 void remove_earlier_results(const io::OutputFolder& folder) {
   std::error_code ignored;
-  for (const char* name :
-       {"overview.png", "trajectory.txt", "trajectory.tum", "trace.json", "summary.json"}) {
-    fs::remove(folder.file(name), ignored);
-  }
+  for (const char* name : kResults) fs::remove(folder.file(name), ignored);
 }
 
 /// Seconds since this process was started, dynamic linking included.
@@ -83,10 +129,12 @@ class Run {
     const bool own = options_.execute.empty() ? native || !options_.container.empty()
                                               : options_.execute == "own";
     const runtime::Execute execute = own ? runtime::Execute::own : runtime::Execute::fast;
+    if (!options_.dataset.empty()) refuse_dataset_folder(options_.out, options_.dataset);
     Pipeline pipeline(
         {options_.machine, placement, execute, options_.drop_late, options_.container},
         source_->calibration());
-    const io::OutputFolder folder = output([&] { return io::OutputFolder(options_.out); });
+    const io::OutputFolder folder =
+        output([&] { return io::OutputFolder(options_.out, io::kRunWriter); });
     remove_earlier_results(folder);
     catch_stop_signals();
     return process(pipeline, folder, placement, execute);
@@ -237,7 +285,7 @@ class Run {
   /// Predicted figures come from the canonical replay of the record, which no race between this
   /// computer's threads can change.
   Prediction predict(const RunReport& report, const io::OutputFolder& folder) const {
-    const std::string file = folder.file("record.jsonl");
+    const std::string file = folder.file(".partita-record.jsonl");
     output([&] { report.pipeline.session(Branch::localization).extension().export_record(file); });
     Prediction prediction;
     prediction.machine = profile::load_machine(options_.machine, places().profiles);
@@ -283,10 +331,11 @@ void add_input_options(CLI::App* command, RunOptions& options, bool& scenario) {
       ->excludes(dataset)
       ->capture_default_str();
   command->add_option("--rate", options.rate_hz, "Frames per second (default: as recorded)")
-      ->check(CLI::Range(0.1, 10000.0));
+      ->check(rate_range(0.1, 10000.0));
 }
 
 }  // namespace
+      ->check(seed_range())
 
 void add_run(CLI::App& app, Context& context) {
   CLI::App* command = add_subcommand(

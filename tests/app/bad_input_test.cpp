@@ -173,6 +173,54 @@ TEST_F(BadInput, SomebodyElsesFilesAreLeftAlone) {
 }
 
 /// Lets no file grow beyond `bytes`, as a full disk would, for this process's children.
+TEST_F(BadInput, ForceReplacesNothingThatNoRunWrote) {
+  const std::vector<std::string> force{"--dataset", folder_->file("good"), "--force"};
+  fs::create_directories(out() + "/disparity");
+  std::ofstream(out() + "/thesis.txt") << "years of work";
+  for (const std::string name :
+       {"disparity/my_truth.png", "disparity/000123.png", "trajectory.txt", "PARTIAL"}) {
+    std::ofstream(out() + "/" + name) << "mine";
+    expect_one_line(run(force), 5, {out() + "/" + name.substr(0, name.find('/')), "--force"});
+    EXPECT_EQ(bytes_of(out() + "/" + name), "mine");
+    fs::remove(out() + "/" + name);
+  }
+  EXPECT_EQ(run(force).status, 0);
+  EXPECT_EQ(bytes_of(out() + "/thesis.txt"), "years of work");
+}
+
+TEST_F(BadInput, TheDataSetIsNoOutputFolder) {
+  const std::string data = copy_of_good();
+  const std::string truth = bytes_of(data + "/disparity/000000.png");
+  fs::create_directory(temp_.file("linked"));
+  for (const auto& entry : fs::directory_iterator(data)) {
+    fs::create_symlink(entry.path(), fs::path(temp_.file("linked")) / entry.path().filename());
+  }
+  for (const auto& [dataset, folder] :
+       std::vector<std::pair<std::string, std::string>>{{data, data},
+                                                        {data + "/", data + "/../data"},
+                                                        {data, data + "/image_0"},
+                                                        {data, data + "/results"},
+                                                        {temp_.file("linked"), data}}) {
+    expect_one_line(partita({"run", "--machine", "native", "--quiet", "--force", "--dataset",
+                             dataset, "--out", folder}),
+                    5, {folder, "data set"});
+  }
+  EXPECT_EQ(bytes_of(data + "/disparity/000000.png"), truth);
+  EXPECT_FALSE(fs::exists(data + "/summary.json"));
+}
+
+TEST_F(BadInput, NumbersOutOfRangeAreUsageErrors) {
+  for (const std::string command : {"run", "generate"}) {
+    for (const auto& [option, value] : std::vector<std::pair<std::string, std::string>>{
+             {"--seed", "-1"}, {"--seed", "18446744073709551616"}, {"--rate", "nan"}}) {
+      const Outcome outcome = partita({command, "--out", out(), option, value});
+      EXPECT_EQ(outcome.status, 2) << command << ' ' << option << ' ' << value;
+      EXPECT_THAT(outcome.err, HasSubstr(option));
+    }
+  }
+  EXPECT_FALSE(fs::exists(out()));
+}
+
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -243,6 +291,8 @@ TEST_F(BadInput, CtrlCWhileGeneratingLeavesItMarked) {
   expect_one_line(outcome, 130, {"interrupted"});
   EXPECT_TRUE(fs::exists(target + "/PARTIAL"));
 }
+  expect_one_line(partita({"run", "--machine", "native", "--quiet", "--out", target}), 5,
+                  {target, "no earlier run"});
 
 }  // namespace
 }  // namespace partita::testing

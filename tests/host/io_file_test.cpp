@@ -71,30 +71,45 @@ TEST(ReadFile, NamesWhatIsMissingOrAFolder) {
 
 TEST(OutputFolder, IsMarkedUntilComplete) {
   const TempFolder folder;
-  OutputFolder out(folder.file("deep/run"));
+  OutputFolder out(folder.file("deep/run"), kRunWriter);
   EXPECT_TRUE(is_partial(out.path()));
   out.complete();
   EXPECT_FALSE(is_partial(out.path()));
-  OutputFolder again(out.path());
+  OutputFolder again(out.path(), kRunWriter);
   EXPECT_TRUE(is_partial(out.path()));
+}
+
+TEST(OutputFolder, TheMarkSaysWhoseItIs) {
+  const TempFolder folder;
+  const OutputFolder out(folder.path(), kGenerateWriter);
+  EXPECT_TRUE(is_partial(folder.path(), kGenerateWriter));
+  EXPECT_FALSE(is_partial(folder.path(), kRunWriter));
+  folder.write("PARTIAL", "a differential equation");
+  EXPECT_TRUE(is_partial(folder.path()));
+  EXPECT_FALSE(is_partial(folder.path(), kGenerateWriter));
+  EXPECT_FALSE(is_partial(folder.path(), kRunWriter));
 }
 
 TEST(OutputFolder, SeriesForgetsAnEarlierRunsFiles) {
   const TempFolder folder;
   folder.write("disparity/000050.png", "old");
   folder.write("disparity/notes.txt", "mine");
-  const OutputFolder out(folder.path());
+  folder.write("disparity/my_truth.png", "mine");
+  const OutputFolder out(folder.path(), kRunWriter);
   const std::string series = out.series("disparity", ".png");
   EXPECT_FALSE(fs::exists(series + "/000050.png"));
   EXPECT_TRUE(fs::exists(series + "/notes.txt"));
+  EXPECT_TRUE(fs::exists(series + "/my_truth.png"));
 }
 
 TEST(OutputFolder, RefusesWhatIsNoFolderOrNotWritable) {
   const TempFolder folder;
   const std::string file = folder.write("file", "");
-  EXPECT_THAT(error_of([&] { OutputFolder{file}; }), HasSubstr(file));
-  EXPECT_THAT(error_of([&] { OutputFolder{file + "/below"}; }), HasSubstr(file + "/below"));
-  EXPECT_THAT(error_of([&] { OutputFolder{"/proc/partita"}; }), HasSubstr("/proc/partita"));
+  EXPECT_THAT(error_of([&] { OutputFolder(file, kRunWriter); }), HasSubstr(file));
+  EXPECT_THAT(error_of([&] { OutputFolder(file + "/below", kRunWriter); }),
+              HasSubstr(file + "/below"));
+  EXPECT_THAT(error_of([&] { OutputFolder("/proc/partita", kRunWriter); }),
+              HasSubstr("/proc/partita"));
 }
 
 TEST(Json, RoundTripAndLineOfAnError) {

@@ -108,6 +108,39 @@ TEST_F(Kitti, FrameCountMismatchNamesTheMissingImage) {
               AllOf(HasSubstr("4 left and 3 right"), HasSubstr("image_1/000003.png")));
 }
 
+TEST_F(Kitti, AHoleInTheNumberingNamesTheMissingImage) {
+  for (const std::string side : {"image_0/", "image_1/"}) {
+    fs::remove(folder_.file(side + "000002.png"));
+  }
+  EXPECT_THAT(open_error(), HasSubstr("image_0/000002.png is missing"));
+}
+
+TEST_F(Kitti, NumbersMayStartAnywhereAndNamesNeedNotBeNumbers) {
+  for (const std::string side : {"image_0/", "image_1/"}) {
+    fs::remove(folder_.file(side + "000000.png"));
+  }
+  EXPECT_EQ(open_kitti(folder_.path())->size(), 3U);
+  for (const std::string side : {"image_0/", "image_1/"}) {
+    fs::rename(folder_.file(side + "000002.png"), folder_.file(side + "2b.png"));
+  }
+  EXPECT_EQ(open_kitti(folder_.path())->size(), 3U);
+  for (const std::string side : {"image_0/", "image_1/"}) {
+    fs::rename(folder_.file(side + "000001.png"), folder_.file(side + "1403715273262142976.png"));
+    fs::rename(folder_.file(side + "2b.png"), folder_.file(side + "1403715273312143104.png"));
+    fs::rename(folder_.file(side + "000003.png"), folder_.file(side + "1403715273362142976.png"));
+  }
+  EXPECT_EQ(open_kitti(folder_.path())->size(), 3U);
+}
+
+TEST_F(Kitti, ExtensionsInCapitals) {
+  for (const std::string side : {"image_0/", "image_1/"}) {
+    fs::rename(folder_.file(side + "000001.png"), folder_.file(side + "000001.PNG"));
+  }
+  const auto source = open_kitti(folder_.path());
+  ASSERT_EQ(source->size(), 4U);
+  EXPECT_EQ(source->frame(1).left.at(0, 0), 10);
+}
+
 TEST_F(Kitti, TruncatedImageNamesTheFile) {
   const std::string path = folder_.file("image_1/000002.png");
   const std::string bytes = io::read_file(path);

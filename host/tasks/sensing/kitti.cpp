@@ -1,7 +1,7 @@
 // KITTI odometry sequences. What is accepted:
 //   images      image_0 + image_1, image_l + image_r, or image_2 + image_3; .png .jpg .jpeg .pgm
-//   .ppm,
-//               the same names on both sides, in the order of their names
+//               .ppm, in capitals too; the same names on both sides, in the order of their names;
+//               numbers (of up to ten digits, longer ones are time stamps) without a hole
 //   calib.txt   see kitti_calibration.h
 //   times.txt   seconds, one per frame; without it 10 Hz. times_right.txt, where the cameras have
 //               clocks of their own, must agree with it (see synchronise.h)
@@ -9,6 +9,7 @@
 //   imu.csv, gps.csv   see sensor_files.h, optional
 //   disparity/  true disparities, 16-bit PNG, optional
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <mutex>
@@ -48,8 +49,9 @@ std::vector<std::string> picture_names(const fs::path& folder) {
   for (auto it = fs::directory_iterator(folder, error); !error && it != fs::directory_iterator();
        it.increment(error)) {
     const std::string name = it->path().filename().string();
-    if (kExtensions.contains(it->path().extension().string()) && name[0] != '.')
-      names.push_back(name);
+    std::string extension = it->path().extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (kExtensions.contains(extension) && name[0] != '.') names.push_back(name);
   }
   if (error) throw Error(fmt::format("cannot read '{}': {}", folder.string(), error.message()));
   std::sort(names.begin(), names.end());
@@ -93,6 +95,34 @@ void check_pairs(const fs::path& folder, const Layout& layout, const std::vector
   };
   missing_in(layout.right, left, right);
   missing_in(layout.left, right, left);
+}
+
+/// The number that a picture is named by, if it is: 000042.png. A longer one is a time stamp.
+std::optional<std::uint64_t> picture_number(const std::string& name) {
+  constexpr std::size_t kMostDigits = 10;
+  const std::string stem = fs::path(name).stem().string();
+  if (stem.size() > kMostDigits || stem.find_first_not_of("0123456789") != std::string::npos) {
+    return std::nullopt;
+  }
+  return std::stoull(stem);
+}
+
+/// Times and poses belong to the pictures by their order, so that a hole in the numbering would
+/// pair all behind it with the wrong ones. The first number may be any; names that are not all
+/// numbers are not looked at.
+void check_numbering(const fs::path& folder, const std::vector<std::string>& names) {
+  const auto unnumbered = [](const std::string& name) { return !picture_number(name); };
+  if (std::any_of(names.begin(), names.end(), unnumbered)) return;
+  for (std::size_t i = 1; i < names.size(); ++i) {
+    const std::uint64_t expected = *picture_number(names[i - 1]) + 1;
+    if (*picture_number(names[i]) == expected) continue;
+    const fs::path previous(names[i - 1]);
+    throw Error(
+        fmt::format("{}/{:0{}}{} is missing: '{}' follows '{}', expected images numbered "
+                    "without a hole",
+                    folder.string(), expected, previous.stem().string().size(),
+                    previous.extension().string(), names[i], names[i - 1]));
+  }
 }
 
 std::vector<std::int64_t> read_times(const fs::path& path, std::size_t frames) {
@@ -150,6 +180,7 @@ KittiSource::KittiSource(const std::string& folder)
       layout_(find_layout(folder_)),
       names_(picture_names(folder_ / layout_.left)) {
   check_pairs(folder_, layout_, names_, picture_names(folder_ / layout_.right));
+  check_numbering(folder_ / layout_.left, names_);
   calibration_ = read_kitti_calibration((folder_ / "calib.txt").string(), layout_.camera);
   read_all_times();
   read_poses();

@@ -32,7 +32,7 @@ std::string seconds(std::int64_t ns) {
 class Writer {
  public:
   explicit Writer(const std::string& folder)
-      : out_(folder),
+      : out_(folder, io::kGenerateWriter),
         left_(out_.series("image_0", ".png")),
         right_(out_.series("image_1", ".png")),
         disparity_(out_.series("disparity", ".png")),
