@@ -124,12 +124,12 @@ class Run {
                    .fault = options_.fault,
                    .recording = true});
     open_source();
+    if (!options_.dataset.empty()) refuse_dataset_folder(options_.out, options_.dataset);
     refuse_foreign_folder(options_.out, options_.force);
     // A container that the user names holds the device's own circuits.
     const bool own = options_.execute.empty() ? native || !options_.container.empty()
                                               : options_.execute == "own";
     const runtime::Execute execute = own ? runtime::Execute::own : runtime::Execute::fast;
-    if (!options_.dataset.empty()) refuse_dataset_folder(options_.out, options_.dataset);
     Pipeline pipeline(
         {options_.machine, placement, execute, options_.drop_late, options_.container},
         source_->calibration());
@@ -320,6 +320,7 @@ void add_input_options(CLI::App* command, RunOptions& options, bool& scenario) {
                    "Only the first N frames (scenario: this many, default 30)")
       ->check(CLI::Range(1, 100000));
   command->add_option("--seed", options.seed, "Of the scenario")
+      ->check(seed_range())
       ->excludes(dataset)
       ->capture_default_str();
   command->add_option("--width", options.width, "Of the scenario, pixels")
@@ -335,7 +336,6 @@ void add_input_options(CLI::App* command, RunOptions& options, bool& scenario) {
 }
 
 }  // namespace
-      ->check(seed_range())
 
 void add_run(CLI::App& app, Context& context) {
   CLI::App* command = add_subcommand(

@@ -172,7 +172,6 @@ TEST_F(BadInput, SomebodyElsesFilesAreLeftAlone) {
   EXPECT_EQ(std::distance(fs::directory_iterator(out()), {}), 1);
 }
 
-/// Lets no file grow beyond `bytes`, as a full disk would, for this process's children.
 TEST_F(BadInput, ForceReplacesNothingThatNoRunWrote) {
   const std::vector<std::string> force{"--dataset", folder_->file("good"), "--force"};
   fs::create_directories(out() + "/disparity");
@@ -221,6 +220,7 @@ TEST_F(BadInput, NumbersOutOfRangeAreUsageErrors) {
   EXPECT_FALSE(fs::exists(out()));
 }
 
+/// Lets no file grow beyond `bytes`, as a full disk would, for this process's children.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -290,9 +290,9 @@ TEST_F(BadInput, CtrlCWhileGeneratingLeavesItMarked) {
               });
   expect_one_line(outcome, 130, {"interrupted"});
   EXPECT_TRUE(fs::exists(target + "/PARTIAL"));
-}
   expect_one_line(partita({"run", "--machine", "native", "--quiet", "--out", target}), 5,
                   {target, "no earlier run"});
+}
 
 }  // namespace
 }  // namespace partita::testing
