@@ -8,6 +8,12 @@
 namespace partita::partition {
 namespace {
 
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
 Branch parse_branch(std::string_view name) {
   for (const Branch branch : kBranches) {
     if (to_string(branch) == name) return branch;
@@ -37,17 +43,19 @@ Placement parse_placement(std::string_view text, const Placement& defaults) {
   while (!text.empty()) {
     const std::string_view item = text.substr(0, text.find(','));
     const std::size_t equals = item.find('=');
-    if (equals == std::string_view::npos || equals + 1 == item.size()) {
+    const std::string_view name = trimmed(item.substr(0, equals));
+    const std::string_view device =
+        equals == std::string_view::npos ? "" : trimmed(item.substr(equals + 1));
+    if (device.empty()) {
       throw profile::Error("placement: '" + std::string(item) +
                            "' is not TASK=DEVICE, for instance localization=fpga");
     }
-    const auto index = static_cast<std::size_t>(parse_branch(item.substr(0, equals)));
+    const auto index = static_cast<std::size_t>(parse_branch(name));
     if (seen.test(index)) {
-      throw profile::Error("placement: task '" + std::string(item.substr(0, equals)) +
-                           "' is placed twice");
+      throw profile::Error("placement: task '" + std::string(name) + "' is placed twice");
     }
     seen.set(index);
-    placement.device[index] = item.substr(equals + 1);
+    placement.device[index] = device;
     text.remove_prefix(std::min(text.size(), item.size() + 1));
   }
   return placement;

@@ -22,9 +22,10 @@ struct Placement {
   std::string to_string() const;
 };
 
-/// Reads "localization=fpga,scene=gpu"; a branch that is not named keeps what `defaults` says.
-/// Throws profile::Error that names the branch and lists those there are, for unknown or repeated
-/// branches and for anything that is not BRANCH=DEVICE. Whether a device exists, the machine says.
+/// Reads "localization=fpga,scene=gpu", spaces around names allowed; a branch that is not named
+/// keeps what `defaults` says. Throws profile::Error that names the branch and lists those there
+/// are, for unknown or repeated branches and for anything that is not BRANCH=DEVICE. Whether a
+/// device exists, the machine says.
 Placement parse_placement(std::string_view text, const Placement& defaults);
 
 }  // namespace partita::partition

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 namespace partita::partition {
 namespace {
@@ -68,6 +69,29 @@ Distribution latencies(const std::vector<BranchFrame>& frames) {
   return distribution(std::move(values));
 }
 
+std::optional<double> throughput(const std::vector<BranchFrame>& frames) {
+  if (frames.size() < 2) return std::nullopt;
+  const Ns span = frames.back().finish - frames.front().finish;
+  return static_cast<double>(frames.size() - 1) * 1e9 / static_cast<double>(std::max<Ns>(span, 1));
+}
+
+/// std::nullopt < any rate: a branch without a rate leaves the pipeline without one.
+std::optional<double> slowest_rate(const std::vector<BranchSummary>& branches) {
+  const auto slower = std::min_element(branches.begin(), branches.end(),
+                                       [](const BranchSummary& a, const BranchSummary& b) {
+                                         return a.throughput_hz < b.throughput_hz;
+                                       });
+  return slower == branches.end() ? std::nullopt : slower->throughput_hz;
+}
+
+std::size_t count_processed(const std::vector<BranchSummary>& branches) {
+  std::set<std::int64_t> frames;
+  for (const BranchSummary& branch : branches) {
+    for (const BranchFrame& frame : branch.frames) frames.insert(frame.frame);
+  }
+  return frames.size();
+}
+
 double mean_span(const FrameSpans& spans) {
   double sum = 0;
   for (const auto& [frame, span] : spans) sum += static_cast<double>(span.last - span.first);
@@ -91,6 +115,7 @@ void add_branch(const Record& record, const Schedule& schedule, std::uint32_t th
   branch.name = record.threads[thread].name;
   branch.frames = branch_frames(frame_spans(record, schedule, thread), arrivals);
   branch.latency = latencies(branch.frames);
+  branch.throughput_hz = throughput(branch.frames);
   branch.alone = latencies(branch_frames(frame_spans(alone_record, alone, thread), arrivals));
   for (const timeline::NameId task : tasks_of(record, thread)) {
     summary.tasks.push_back({branch.name, record.names[task],
@@ -183,17 +208,13 @@ Summary summarise(const Record& record, const Schedule& schedule, const profile:
   summary.latency = latencies(summary.perception);
   summary.late = count_late(summary.perception, arrivals, period);
   summary.makespan = schedule.makespan;
-  if (summary.perception.size() > 1) {
-    const Ns first = summary.perception.front().finish;
-    const Ns last = summary.perception.back().finish;
-    summary.throughput_hz = static_cast<double>(summary.perception.size() - 1) * 1e9 /
-                            static_cast<double>(std::max<Ns>(last - first, 1));
-  }
+  summary.throughput_hz = slowest_rate(summary.branches);
+  summary.processed = count_processed(summary.branches);
   add_engines(schedule, summary);
   summary.energy = timeline::energy(schedule, record, machine);
   const double total = summary.energy.total();
-  if (!summary.perception.empty()) {
-    summary.energy_per_frame_j = total / static_cast<double>(summary.perception.size());
+  if (summary.processed > 0) {
+    summary.energy_per_frame_j = total / static_cast<double>(summary.processed);
   }
   if (summary.makespan > 0)
     summary.mean_power_w = total * 1e9 / static_cast<double>(summary.makespan);

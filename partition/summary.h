@@ -5,6 +5,7 @@
 #define PARTITA_PARTITION_SUMMARY_H
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,8 @@ struct BranchSummary {
   std::vector<BranchFrame> frames;
   Distribution latency;
   Distribution alone;  ///< latency with no other branch on the machine
+  /// Frames it finished per second, from its first to its last; absent for fewer than two.
+  std::optional<double> throughput_hz;
 };
 
 struct EngineUse {
@@ -58,13 +61,14 @@ struct Summary {
   std::vector<BranchSummary> branches;  ///< by rank of their threads
   std::vector<BranchFrame> perception;  ///< frames that all branches finished; the slower decides
   Distribution latency;                 ///< of perception
-  std::size_t late = 0;                 ///< frames not finished when the next one arrived
-  double throughput_hz = 0;  ///< between the first and the last finished frame; 0 for one frame
+  std::size_t late = 0;       ///< frames of `perception` not finished when the next one arrived
+  std::size_t processed = 0;  ///< frames that at least one branch finished; >= perception's
+  std::optional<double> throughput_hz;  ///< the slower branch's; absent if a branch has none
   Ns makespan = 0;
   std::vector<TaskTime> tasks;
   std::vector<EngineUse> engines;
-  timeline::Energy energy;  ///< over the makespan
-  double energy_per_frame_j = 0;
+  timeline::Energy energy;        ///< over the makespan
+  double energy_per_frame_j = 0;  ///< over `processed`
   double mean_power_w = 0;
 };
 

@@ -39,20 +39,27 @@ int print_raw_launches(const std::string& machine) {
   throw DeviceError(fmt::format("bench: machine {} has no device that takes source", machine));
 }
 
-Json compared(double without, double with) {
-  return {{"without_ns", without},
-          {"with_ns", with},
-          {"added_ns", with - without},
-          {"ratio", with / without}};
+Json compared(const std::vector<Batch>& without, const std::vector<Batch>& with,
+              double Batch::*figure) {
+  const Quartiles a = quartiles(without, figure), b = quartiles(with, figure);
+  return {{"without_ns", a.median},
+          {"without_quartiles_ns", {a.low, a.high}},
+          {"with_ns", b.median},
+          {"with_quartiles_ns", {b.low, b.high}},
+          {"added_ns", b.median - a.median},
+          {"below_noise", below_noise(a, b)},
+          {"ratio", b.median / a.median}};
 }
 
-Json compared(const Batch& without, const Batch& with) {
-  return {{"calls", compared(without.calls, with.calls)}, {"all", compared(without.all, with.all)}};
+Json compared(const std::vector<Batch>& without, const std::vector<Batch>& with) {
+  return {{"calls", compared(without, with, &Batch::calls)},
+          {"all", compared(without, with, &Batch::all)}};
 }
 
 void add_row(Table& table, const std::string& name, const Json& values) {
   table.add({name, format_ns(values["without_ns"]), format_ns(values["with_ns"]),
-             format_ns(values["added_ns"]), fmt::format("{:.2f}", values["ratio"].get<double>())});
+             format_ns(values["added_ns"]) + (values["below_noise"] ? " (below noise)" : ""),
+             fmt::format("{:.2f}", values["ratio"].get<double>())});
 }
 
 int overhead(const OverheadOptions& options, const Console& console) {
@@ -79,14 +86,14 @@ int overhead(const OverheadOptions& options, const Console& console) {
   document["what"] = fmt::format(
       "median wall time per launch of a kernel that does nothing, in batches of {} with a "
       "clFinish; "
-      "{} batches a side, in turns",
+      "{} batches a side, in turns; noise is the interquartile range",
       Batches{}.commands, bare.size());
   document["device"] = device.name;
   document["cores"] = std::thread::hardware_concurrency();
   document["machine"] = options.machine;
   Json& measured = document["measured"];
-  measured["layer"] = compared(median(bare), median(layered));
-  measured["framework"] = compared(median(pair.raw), median(pair.framework));
+  measured["layer"] = compared(bare, layered);
+  measured["framework"] = compared(pair.raw, pair.framework);
   Table table({"measured", "without", "with", "added", "ratio"});
   add_row(table, "layer, calls of a command", measured["layer"]["calls"]);
   add_row(table, "layer, whole batch / commands", measured["layer"]["all"]);

@@ -145,8 +145,10 @@ void add_emulate(CLI::App& app, Context& context) {
                     "Let an emulated FPGA compile source: no real card does, for what-if runs");
   command->add_option("--fault", options->emulation.fault,
                       "Inject a fault, as in docs/emulation.md");
-  command->add_flag("--report", options->report,
-                    "Predicted time per kernel, on stderr, when the program has ended");
+  command->add_flag(
+      "--report", options->report,
+      "Predicted time per kernel when the program has ended; the table, or the JSON with "
+      "--json, goes to stderr: stdout is the command's");
   command->callback([options, &context] {
     context.action = [options, &context] { return emulate(*options, context); };
   });

@@ -14,7 +14,7 @@ enum ExitCode : int {
   exit_failure_found =
       1,               ///< the command did its job and the answer is no: verify found a mismatch
   exit_usage = 2,      ///< the command line itself
-  exit_bad_input = 3,  ///< data set, profile, placement, container: what the user handed in
+  exit_bad_input = 3,  ///< data set, profile, device, container: what the user handed in
   exit_device = 4,     ///< OpenCL or a device
   exit_output = 5,     ///< a result could not be written
   exit_internal = 70,  ///< a bug in Partita

@@ -6,6 +6,7 @@
 
 #include <CL/opencl.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "devices/layer/container.h"
 #include "devices/profile/error.h"
@@ -66,8 +67,13 @@ int parse_and_run(int argc, char** argv, Context& context) {
     app.parse(words);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    std::string what = error.what();
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) !=
+        nullptr) {  // whose text has them back to front
+      what = fmt::format("not understood: {}", fmt::join(app.remaining(true), " "));
+    }
     const std::string command = first.starts_with('-') || first.empty() ? "" : " " + first;
-    throw UsageError(fmt::format("{} (see partita{} --help)", error.what(), command));
+    throw UsageError(fmt::format("{} (see partita{} --help)", what, command));
   }
   return context.action();
 }

@@ -1,6 +1,7 @@
 #include "host/app/overhead.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "host/app/wall_clock.h"
 #include "host/runtime/kernel.h"
@@ -104,15 +105,16 @@ Pair raw_and_framework_launches(const runtime::Device& device, const Batches& si
   return pair;
 }
 
-Batch median(const std::vector<Batch>& batches) {
-  const auto middle = [&batches](double Batch::*which) {
-    std::vector<double> values;
-    for (const Batch& batch : batches) values.push_back(batch.*which);
-    std::nth_element(values.begin(),
-                     values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-  };
-  return {middle(&Batch::calls), middle(&Batch::all)};
+Quartiles quartiles(const std::vector<Batch>& batches, double Batch::*figure) {
+  std::vector<double> values;
+  for (const Batch& batch : batches) values.push_back(batch.*figure);
+  std::sort(values.begin(), values.end());
+  const auto quarter = [&values](std::size_t n) { return values[(values.size() - 1) * n / 4]; };
+  return {quarter(1), quarter(2), quarter(3)};
+}
+
+bool below_noise(const Quartiles& a, const Quartiles& b) {
+  return std::abs(a.median - b.median) <= std::max(a.range(), b.range());
 }
 
 }  // namespace partita::app

@@ -34,8 +34,16 @@ struct Pair {
 };
 Pair raw_and_framework_launches(const runtime::Device& device, const Batches& size);
 
-/// Of `calls` and of `all`, each for itself. Not of nothing.
-Batch median(const std::vector<Batch>& batches);
+struct Quartiles {
+  double low = 0, median = 0, high = 0;
+  double range() const { return high - low; }
+};
+
+/// Of one figure of the batches, by nearest rank. Not of nothing.
+Quartiles quartiles(const std::vector<Batch>& batches, double Batch::*figure);
+
+/// Whether two medians are no further apart than either side's own interquartile range.
+bool below_noise(const Quartiles& a, const Quartiles& b);
 
 }  // namespace partita::app
 

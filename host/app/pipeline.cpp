@@ -132,6 +132,12 @@ class BranchDriver {
 
 }  // namespace
 
+std::size_t PipelineRun::tracked_frames() const {
+  return static_cast<std::size_t>(
+      std::count_if(localization.begin(), localization.end(),
+                    [](const auto& frame) { return frame.tracked || frame.first; }));
+}
+
 Pipeline::Pipeline(const PipelineOptions& options, const sensing::StereoCalibration& calibration)
     : options_(options) {
   const std::vector<runtime::Device> devices = runtime::find_devices();

@@ -48,6 +48,8 @@ struct PipelineRun {
   bool stopped = false;      ///< by a signal
   std::exception_ptr error;  ///< what ended the run early; what was finished before is valid
 
+  /// Of `localization`: those with a pose of their own, the first included.
+  std::size_t tracked_frames() const;
   const BranchRun& of(Branch branch) const { return branches[static_cast<std::size_t>(branch)]; }
 };
 

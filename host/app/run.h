@@ -69,6 +69,8 @@ struct RunReport {
   std::optional<Prediction> prediction;  ///< absent without an emulated machine
   std::vector<std::string> files;
 
+  /// "localization: tracked 3 of 8 frames"; empty if it was all of them.
+  std::string lost_tracking() const;
   bool partial() const { return run.stopped || run.error != nullptr; }
 };
 

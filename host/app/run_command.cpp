@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "devices/profile/error.h"
 #include "devices/timeline/record.h"
 #include "host/app/command.h"
 #include "host/app/environment.h"
@@ -113,11 +114,15 @@ class Run {
 
   int execute() {
     const bool native = options_.machine == kNativeMachine;
-    const partition::Placement placement =
-        partition::parse_placement(options_.placement, default_placement());
+    const partition::Placement placement = wanted_placement();
     if (native && options_.drop_late) {
       throw UsageError(
           "run: --drop-late decides by predicted times, which --machine native has not");
+    }
+    if (native && (options_.allow_source || !options_.fault.empty())) {
+      throw UsageError(
+          "run: --allow-source and --fault are for emulated devices, which --machine native has "
+          "not");
     }
     set_emulation({.machine = options_.machine,
                    .allow_source = options_.allow_source,
@@ -141,6 +146,15 @@ class Run {
   }
 
  private:
+  partition::Placement wanted_placement() const {
+    const partition::Placement defaults = default_placement();
+    try {
+      return partition::parse_placement(options_.placement, defaults);
+    } catch (const profile::Error& error) {
+      throw UsageError(error.what());
+    }
+  }
+
   /// The paper's division of labour, as far as the machine has the devices: localization on an FPGA
   /// before a GPU before a CPU, the scene on a GPU before a CPU before an FPGA.
   partition::Placement default_placement() const {
@@ -224,6 +238,7 @@ class Run {
   void finish(RunReport& report, const FrameFeed& feed, DepthOutput& depth,
               io::OutputFolder folder) {
     const PipelineRun& run = report.run;
+    if (const std::string lost = report.lost_tracking(); !lost.empty()) console_.notice(lost);
     report.frames = frames_;
     for (const BranchRun& branch : run.branches) {
       report.frames = std::min(report.frames, branch.frames.size() + branch.dropped.size());
@@ -348,9 +363,10 @@ void add_run(CLI::App& app, Context& context) {
   auto scenario = std::make_shared<bool>(false);
   add_input_options(command, *options, *scenario);
   add_machine_option(command, options->machine);
-  command->add_option("-p,--placement", options->placement,
-                      "Device per task, as fpga, gpu, cpu or a part of its name (default: "
-                      "localization=fpga,scene=gpu as far as the machine has them)");
+  command->add_option(
+      "-p,--placement", options->placement,
+      "Device per task, as fpga, gpu, cpu or a part (3 characters or more) of its name (default: "
+      "localization=fpga,scene=gpu as far as the machine has them)");
   command
       ->add_option("--execute", options->execute,
                    "Text that computes the results on an emulated device: own, or fast, the equal "

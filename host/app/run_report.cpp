@@ -12,6 +12,18 @@ using partition::Distribution;
 constexpr const char* kDeviceBound =
     "device-bound: host code other than the declared host steps counts as free";
 
+/// A path shorter than this, in metres, has no end error relative to its length.
+constexpr double kShortestPath = 0.1;
+
+Json or_null(const std::optional<double>& value) {
+  return value ? Json(*value) : Json();
+}
+
+std::optional<double> end_error_percent(const io::TrajectoryError& error) {
+  if (error.distance < kShortestPath) return std::nullopt;
+  return error.end_error_percent;
+}
+
 Json to_json(const Distribution& d) {
   return {{"mean_ns", d.mean}, {"p50_ns", d.p50}, {"p99_ns", d.p99}, {"max_ns", d.max}};
 }
@@ -100,6 +112,7 @@ Json predicted_json(const Prediction& prediction) {
   for (const partition::BranchSummary& branch : summary.branches) {
     json["latency"][branch.name] = to_json(branch.latency);
     json["alone"][branch.name] = to_json(branch.alone);
+    json["branch_throughput_hz"][branch.name] = or_null(branch.throughput_hz);
   }
   for (const partition::TaskTime& task : summary.tasks) {
     json["tasks"].push_back({{"branch", task.branch},
@@ -107,8 +120,10 @@ Json predicted_json(const Prediction& prediction) {
                              {"as_it_ran_ns", task.as_it_ran_ns},
                              {"alone_ns", task.alone_ns}});
   }
+  json["frames_in_common"] = summary.perception.size();
+  json["frames_processed"] = summary.processed;
   json["late_frames"] = summary.late;
-  json["throughput_hz"] = summary.throughput_hz;
+  json["throughput_hz"] = or_null(summary.throughput_hz);
   json["makespan_ns"] = summary.makespan;
   for (const partition::EngineUse& engine : summary.engines) {
     json["utilisation"].push_back(
@@ -148,7 +163,7 @@ Json accuracy_json(const RunReport& report) {
   if (const auto& error = report.accuracy.trajectory) {
     Json item{{"distance_m", error->distance},
               {"end_error_m", error->end_error},
-              {"end_error_percent", error->end_error_percent},
+              {"end_error_percent", or_null(end_error_percent(*error))},
               {"ate_rmse_m", error->ate_rmse}};
     if (error->segment) {
       item["t_rel_percent"] = error->segment->translation_percent;
@@ -164,14 +179,25 @@ Json accuracy_json(const RunReport& report) {
     item["pixels_compared"] = depth.compared;
   }
   json["depth"] = std::move(item);
-  std::size_t tracked = 0;
-  for (const auto& frame : report.run.localization) tracked += frame.tracked || frame.first ? 1 : 0;
-  json["tracked_frames"] = tracked;
+  json["tracked_frames"] = report.run.tracked_frames();
   return json;
 }
 
 std::string milliseconds(double ns) {
   return fmt::format("{:.2f}", ns / 1e6);
+}
+
+/// Both rates where the branches dropped different numbers of frames.
+std::string rate_text(const partition::Summary& summary) {
+  if (!summary.throughput_hz) return "n/a";
+  std::string text = fmt::format("{:.1f} frames/s", *summary.throughput_hz);
+  if (summary.perception.size() == summary.processed) return text;
+  std::string each;
+  for (const partition::BranchSummary& branch : summary.branches) {
+    each += fmt::format("{}{} {:.1f}", each.empty() ? "" : ", ", branch.name,
+                        branch.throughput_hz.value_or(0));
+  }
+  return text + " (" + each + ")";
 }
 
 std::string predicted_text(const Prediction& prediction, const Console& console) {
@@ -186,26 +212,30 @@ std::string predicted_text(const Prediction& prediction, const Console& console)
   for (const partition::BranchSummary& branch : summary.branches) {
     add(branch.name, branch.latency, milliseconds(branch.alone.mean));
   }
-  add("perception", summary.latency, "");
+  const std::size_t common = summary.perception.size();
+  add(common == summary.processed ? "perception"
+                                  : fmt::format("perception ({} frames in common)", common),
+      summary.latency, "");
   std::string busy;
   for (const partition::EngineUse& engine : summary.engines) {
     if (engine.share < 0.005) continue;
     busy += fmt::format("{}{} {:.0f} %", busy.empty() ? "" : ", ", engine.name, engine.share * 100);
   }
   return fmt::format(
-      "{}predicted rate      {:.1f} frames/s, {} late; {:.2f} J a frame, {:.1f} W\n"
+      "{}predicted rate      {}, {} late; {:.2f} J a frame, {:.1f} W\n"
       "predicted use       {}\n"
       "                    ({})\n",
-      table.to_string(console.colour()), summary.throughput_hz, summary.late,
+      table.to_string(console.colour()), rate_text(summary), summary.late,
       summary.energy_per_frame_j, summary.mean_power_w, busy, kDeviceBound);
 }
 
 std::string accuracy_text(const Accuracy& accuracy) {
   std::string text;
   if (accuracy.trajectory) {
-    text += fmt::format("accuracy            end error {:.2f} % of {:.1f} m, ATE {:.3f} m\n",
-                        accuracy.trajectory->end_error_percent, accuracy.trajectory->distance,
-                        accuracy.trajectory->ate_rmse);
+    const auto percent = end_error_percent(*accuracy.trajectory);
+    text += fmt::format("accuracy            end error {} of {:.1f} m, ATE {:.3f} m\n",
+                        percent ? fmt::format("{:.2f} %", *percent) : "n/a",
+                        accuracy.trajectory->distance, accuracy.trajectory->ate_rmse);
   }
   text += fmt::format("accuracy of depth   density {:.1f} %", accuracy.depth.density * 100);
   if (accuracy.depth.compared > 0) {
@@ -216,6 +246,12 @@ std::string accuracy_text(const Accuracy& accuracy) {
 }
 
 }  // namespace
+
+std::string RunReport::lost_tracking() const {
+  const std::size_t tracked = run.tracked_frames();
+  if (tracked == run.localization.size()) return {};
+  return fmt::format("localization: tracked {} of {} frames", tracked, run.localization.size());
+}
 
 Json to_json(const RunReport& report) {
   Json json;
@@ -249,7 +285,8 @@ std::string to_text(const RunReport& report, const Console& console) {
   }
   for (const Branch branch : partition::kBranches) {
     if (const auto& dropped = report.run.of(branch).dropped; !dropped.empty()) {
-      text += fmt::format("dropped by {:<9}{} frames\n", to_string(branch), dropped.size());
+      text += fmt::format("dropped by {}: {} of {} frames\n", to_string(branch), dropped.size(),
+                          report.frames);
     }
   }
   if (report.prediction) text += predicted_text(*report.prediction, console);
@@ -259,6 +296,9 @@ std::string to_text(const RunReport& report, const Console& console) {
       mean_wall_ms(report.run.of(Branch::localization)), mean_wall_ms(report.run.of(Branch::scene)),
       report.measured.start_up_s, report.measured.total_s);
   text += accuracy_text(report.accuracy);
+  if (const std::string lost = report.lost_tracking(); !lost.empty()) {
+    text += console.paint(Colour::yellow, lost) + "\n";
+  }
   if (report.partial()) {
     text += console.paint(Colour::yellow, "partial") + ": the run ended early\n";
   }

@@ -84,14 +84,16 @@ std::vector<Device> find_devices() {
 }
 
 Device select_device(const std::vector<Device>& devices, std::string_view what) {
+  constexpr std::size_t kShortestPart = 3;  // shorter ones are in names by accident
   const std::string wanted = lower(what);
+  const auto in_name = [&wanted](const Device& device) {
+    return wanted.size() >= kShortestPart && lower(device.name).find(wanted) != std::string::npos;
+  };
   for (const Device& device : devices) {
     if (kind_of(device) == wanted) return device;
   }
   for (const Device& device : devices) {
-    if (lower(device.name).find(wanted) != std::string::npos || lower(device.profile) == wanted) {
-      return device;
-    }
+    if (in_name(device) || lower(device.profile) == wanted) return device;
   }
   std::string known;
   for (const Device& device : devices) {

@@ -40,8 +40,9 @@ std::string_view kind_of(const Device& device);
 /// All devices of all platforms, in the platforms' order. Throws Error if there is no platform.
 std::vector<Device> find_devices();
 
-/// The first device of kind "cpu", "gpu" or "fpga", or the first whose name or profile contains
-/// `what` (case-insensitive). Throws Error that lists what there is.
+/// The first device of kind "cpu", "gpu" or "fpga", or the first with the profile `what` or with
+/// `what`, of at least three characters, in its name (case-insensitive). Throws Error that lists
+/// what there is.
 Device select_device(const std::vector<Device>& devices, std::string_view what);
 
 /// "CL_OUT_OF_RESOURCES" and so on; the number for unknown codes.

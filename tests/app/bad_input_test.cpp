@@ -136,8 +136,9 @@ TEST_F(BadProfile, AMachineThatDoesNotExist) {
 
 TEST_F(BadInput, APlacementOnNoSuchDeviceOrTask) {
   expect_one_line(run({"--placement", "scene=npu"}), 3, {"npu", "cpu"});
-  expect_one_line(run({"--placement", "localisation=cpu"}), 3, {"'localisation'", "localization"});
-  expect_one_line(run({"--placement", "scene"}), 3, {"'scene'"});
+  expect_one_line(run({"--placement", "localisation=cpu"}), 2, {"'localisation'", "localization"});
+  expect_one_line(run({"--placement", "scene"}), 2, {"'scene'"});
+  expect_one_line(run({"--placement", "scene=p"}), 3, {"'p'", "cpu"});
   expect_one_line(partita({"run", "--quiet", "--machine", "gpu-only", "--placement",
                            "localization=fpga", "--out", out()}),
                   3, {"fpga", "gpu"});

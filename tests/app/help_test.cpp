@@ -57,8 +57,10 @@ TEST(Usage, WhatIsWrongIsSaidInOneLine) {
   expect_one_line(partita({"run", "--frames", "0"}), 2, {"--frames"});
   expect_one_line(partita({"run", "--execute", "slow"}), 2, {"--execute"});
   expect_one_line(partita({"run", "--scenario", "--dataset", "x"}), 2, {"--dataset"});
-  expect_one_line(partita({"run", "--no-such-option"}), 2, {"--no-such-option"});
+  expect_one_line(partita({"run", "--no-such-option", "3"}), 2, {"--no-such-option 3"});
   expect_one_line(partita({"run", "--machine", "native", "--drop-late"}), 2, {"--drop-late"});
+  expect_one_line(partita({"run", "--machine", "native", "--allow-source"}), 2, {"--allow-source"});
+  expect_one_line(partita({"run", "--machine", "native", "--fault", "x"}), 2, {"--fault"});
   expect_one_line(partita({"emulate"}), 2, {"partita emulate -- "});
   expect_one_line(partita({"package"}), 2, {"--out"});
   expect_one_line(partita({"generate"}), 2, {"--out"});

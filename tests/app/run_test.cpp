@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "host/io/image.h"
 #include "tests/app/spawn.h"
 #include "tests/host/io_temp_folder.h"
 
@@ -159,6 +160,33 @@ TEST_F(RunTest, DroppingIsDeterministic) {
   EXPECT_EQ(first["dropped_frames"], second["dropped_frames"]);
   EXPECT_EQ(first["predicted"], second["predicted"]);
   EXPECT_EQ(bytes("first", "trajectory.tum"), bytes("second", "trajectory.tum"));
+}
+
+TEST_F(RunTest, WhatOneFrameCannotSayIsAbsent) {
+  const json one = run("out", {}, 1);
+  EXPECT_TRUE(one["predicted"]["throughput_hz"].is_null());
+  EXPECT_EQ(one["predicted"]["frames_in_common"], 1);
+  EXPECT_TRUE(one["accuracy"]["trajectory"]["end_error_percent"].is_null());
+  const Outcome text = partita(
+      {"run", "--width", "480", "--height", "288", "--frames", "1", "--out", temp_.file("out")});
+  EXPECT_THAT(text.out, HasSubstr("predicted rate      n/a"));
+  EXPECT_THAT(text.out, HasSubstr("end error n/a"));
+  EXPECT_THAT(text.err, ::testing::Not(HasSubstr("tracked")));
+}
+
+TEST_F(RunTest, LostTrackingIsSaid) {
+  run_from_disk("whole", {});
+  // Both cameras see nothing in mid-sequence: a black frame cannot be tracked.
+  const std::string data = temp_.file("data");
+  sensing::GrayImage black = io::read_gray(data + "/image_0/000003.png").image;
+  std::fill(black.pixels.begin(), black.pixels.end(), std::uint8_t{0});
+  for (const char* camera : {"/image_0", "/image_1"}) {
+    io::write_gray(data + camera + "/000003.png", black);
+  }
+  const Outcome text = partita({"run", "--dataset", data, "--out", temp_.file("out")});
+  EXPECT_EQ(text.status, 0);
+  EXPECT_THAT(text.err, HasSubstr("partita: localization: tracked "));
+  EXPECT_THAT(text.out, HasSubstr("localization: tracked "));
 }
 
 TEST_F(RunTest, NativeHasMeasuredFiguresOnly) {

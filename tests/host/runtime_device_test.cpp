@@ -46,6 +46,12 @@ TEST(SelectDevice, NamesWhatThereIs) {
   }
 }
 
+TEST(SelectDevice, AShortPartOfANameIsNoChoice) {
+  EXPECT_THROW(select_device(kMachine, "e"), Error);
+  EXPECT_THROW(select_device(kMachine, "xi"), Error);
+  EXPECT_EQ(select_device(kMachine, "xil").profile, "zcu102");
+}
+
 TEST(FindDevices, TheRealDeviceIsNotEmulated) {
   const Device device = tests::first_source_device();
   EXPECT_FALSE(device.emulated());

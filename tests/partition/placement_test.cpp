@@ -15,11 +15,13 @@ TEST(Placement, ReadsBranchesInAnyOrderAndKeepsDefaults) {
   EXPECT_EQ(parse_placement("scene=cpu", kDefaults).to_string(), "localization=fpga,scene=cpu");
   EXPECT_EQ(parse_placement("scene=cpu,localization=GTX 1060", kDefaults).of(Branch::localization),
             "GTX 1060");
+  EXPECT_EQ(parse_placement(" scene = cpu , localization= GTX 1060 ", kDefaults).to_string(),
+            "localization=GTX 1060,scene=cpu");
 }
 
 TEST(Placement, RefusesWhatCannotBeMeant) {
   for (const char* text : {"localisation=gpu", "localization", "localization=", "=gpu",
-                           "scene=gpu,,", "scene=gpu,scene=cpu", "frontend=fpga"}) {
+                           "scene= ", " ", "scene=gpu,,", "scene=gpu,scene=cpu", "frontend=fpga"}) {
     EXPECT_THROW(parse_placement(text, kDefaults), profile::Error) << text;
   }
 }

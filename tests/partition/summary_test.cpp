@@ -31,7 +31,10 @@ timeline::Layout layout(bool shared_device) {
   return l;
 }
 
-/// Frame k of each branch takes slow[k] and quick[k] of its device from its arrival on.
+constexpr Ns kDropped = 0;
+
+/// Frame k of each branch takes slow[k] and quick[k] of its device from its arrival on, or is
+/// dropped.
 struct TwoBranches {
   TwoBranches(bool shared_device, const std::vector<Ns>& quick, const std::vector<Ns>& slow)
       : clock(layout(shared_device)) {
@@ -41,8 +44,8 @@ struct TwoBranches {
     const auto first = clock.add_queue(0, false);
     const auto second = clock.add_queue(shared_device ? 0 : 1, false);
     for (std::size_t k = 0; k < quick.size(); ++k) {
-      frame(a, first, "frontend", k, quick[k]);
-      frame(b, second, "depth", k, slow[k]);
+      if (quick[k] != kDropped) frame(a, first, "frontend", k, quick[k]);
+      if (slow[k] != kDropped) frame(b, second, "depth", k, slow[k]);
       arrivals.push_back({static_cast<std::int64_t>(k), k * kPeriod});
     }
     machine.nodes.resize(1);
@@ -86,7 +89,28 @@ TEST(Summary, TheSlowerBranchIsPerception) {
   EXPECT_DOUBLE_EQ(s.latency.mean, 500'000.0);
   EXPECT_EQ(s.late, 0u);
   EXPECT_EQ(s.makespan, 2 * kPeriod + 600'000);
-  EXPECT_NEAR(s.throughput_hz, 2e9 / (2.6e6 - 0.5e6), 1e-6);
+  EXPECT_NEAR(s.branches[0].throughput_hz.value(), 2e9 / (2.3e6 - 0.1e6), 1e-6);
+  EXPECT_NEAR(s.branches[1].throughput_hz.value(), 2e9 / (2.6e6 - 0.5e6), 1e-6);
+  EXPECT_EQ(s.throughput_hz, s.branches[0].throughput_hz);
+}
+
+TEST(Summary, BranchesThatDropDifferentFrames) {
+  const Summary s = TwoBranches(false, {100'000, 100'000, kDropped, 100'000},
+                                {500'000, kDropped, 500'000, 500'000})
+                        .summary();
+  ASSERT_EQ(s.perception.size(), 2u) << "frames 0 and 3 are common";
+  EXPECT_EQ(s.processed, 4u);
+  EXPECT_NEAR(s.energy_per_frame_j, s.energy.total() / 4, 1e-15);
+  EXPECT_NEAR(s.throughput_hz.value(), 2e9 / 3e6, 1e-6) << "3 frames, 3 ms from first to last";
+}
+
+TEST(Summary, OneFrameHasNoRate) {
+  const Summary s = TwoBranches(false, {100'000, 100'000}, {kPeriod + 1, kDropped}).summary();
+  EXPECT_TRUE(s.branches[0].throughput_hz.has_value());
+  EXPECT_FALSE(s.branches[1].throughput_hz.has_value());
+  EXPECT_FALSE(s.throughput_hz.has_value());
+  EXPECT_EQ(TwoBranches(false, {1}, {kPeriod + 1}).summary().late, 1u) << "after one more period";
+  EXPECT_EQ(TwoBranches(false, {1}, {kPeriod}).summary().late, 0u);
 }
 
 TEST(Summary, AloneIsWithoutTheOtherBranch) {
