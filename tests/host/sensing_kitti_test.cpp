@@ -132,6 +132,19 @@ TEST_F(Kitti, NumbersMayStartAnywhereAndNamesNeedNotBeNumbers) {
   EXPECT_EQ(open_kitti(folder_.path())->size(), 3U);
 }
 
+TEST_F(Kitti, NumbersWithoutLeadingZerosAreInTheNumbersOrder) {
+  const GrayImage second = open_kitti(folder_.path())->frame(1).left;
+  for (const std::string side : {"image_0/", "image_1/"}) {
+    for (int i = 0; i < 4; ++i) {
+      fs::rename(folder_.file(side + "00000" + std::to_string(i) + ".png"),
+                 folder_.file(side + std::to_string(8 + i) + ".png"));
+    }
+  }
+  const auto source = open_kitti(folder_.path());
+  ASSERT_EQ(source->size(), 4U);
+  EXPECT_EQ(source->frame(1).left, second);
+}
+
 TEST_F(Kitti, ExtensionsInCapitals) {
   for (const std::string side : {"image_0/", "image_1/"}) {
     fs::rename(folder_.file(side + "000001.png"), folder_.file(side + "000001.PNG"));

@@ -107,12 +107,15 @@ std::optional<std::uint64_t> picture_number(const std::string& name) {
   return std::stoull(stem);
 }
 
-/// Times and poses belong to the pictures by their order, so that a hole in the numbering would
-/// pair all behind it with the wrong ones. The first number may be any; names that are not all
-/// numbers are not looked at.
-void check_numbering(const fs::path& folder, const std::vector<std::string>& names) {
+/// Puts pictures that are named by numbers in the numbers' order (2 before 10). Times and poses
+/// belong to the pictures by their order, so that a hole in the numbering would pair all behind it
+/// with the wrong ones: refused. The first number may be any; names that are not all numbers stay.
+void order_by_number(const fs::path& folder, std::vector<std::string>& names) {
   const auto unnumbered = [](const std::string& name) { return !picture_number(name); };
   if (std::any_of(names.begin(), names.end(), unnumbered)) return;
+  std::sort(names.begin(), names.end(), [](const std::string& a, const std::string& b) {
+    return *picture_number(a) < *picture_number(b);
+  });
   for (std::size_t i = 1; i < names.size(); ++i) {
     const std::uint64_t expected = *picture_number(names[i - 1]) + 1;
     if (*picture_number(names[i]) == expected) continue;
@@ -180,7 +183,7 @@ KittiSource::KittiSource(const std::string& folder)
       layout_(find_layout(folder_)),
       names_(picture_names(folder_ / layout_.left)) {
   check_pairs(folder_, layout_, names_, picture_names(folder_ / layout_.right));
-  check_numbering(folder_ / layout_.left, names_);
+  order_by_number(folder_ / layout_.left, names_);
   calibration_ = read_kitti_calibration((folder_ / "calib.txt").string(), layout_.camera);
   read_all_times();
   read_poses();
