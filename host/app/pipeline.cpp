@@ -47,10 +47,16 @@ class Progress {
     finished_[static_cast<std::size_t>(branch)] = frame + 1;
     report_(*std::min_element(finished_.begin(), finished_.end()));
   }
-  void fail(std::exception_ptr error) {
+  /// `branch` could not finish the frame that it started last. The others still do the frames
+  /// before it, so that what is finished does not depend on who was ahead; of two errors, the one
+  /// at the earlier frame is told.
+  void fail(Branch branch, std::exception_ptr error) {
     const std::lock_guard lock(mutex_);
-    if (!error_) error_ = std::move(error);
-    limit_ = 0;
+    const std::size_t started = started_[static_cast<std::size_t>(branch)];
+    const std::size_t failed = started > 0 ? started - 1 : 0;
+    if (error_ && failed >= limit_) return;
+    error_ = std::move(error);
+    limit_ = std::min(limit_, failed);
   }
   bool stopped() const { return stopped_; }
   std::exception_ptr error() const { return error_; }
@@ -91,7 +97,7 @@ class BranchDriver {
         progress_.finished(branch_, k);
       }
     } catch (...) {
-      progress_.fail(std::current_exception());
+      progress_.fail(branch_, std::current_exception());
     }
     feed_.leave(index_);
     if (turns_ != nullptr) turns_->leave(index_);
