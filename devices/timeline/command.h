@@ -33,6 +33,7 @@ enum class CommandKind : std::uint8_t {
   host_step,  ///< made by Timeline::host_step
   sensor_input,  ///< made by Timeline::sensor_input
   user_event,    ///< made by Timeline::create_user_event
+  message,       ///< made by Timeline::message
   count_,
 };
 std::string_view to_string(CommandKind kind);

@@ -216,6 +216,7 @@ NodeId Timeline::Impl::create_user_event(ThreadId thread_id) {
   c.kind = CommandKind::user_event;
   record_command(t, id, c);
   node(id).times.queued = node(id).times.submit = t.clock;
+  node(id).home = static_cast<std::uint8_t>(t.node);  // a layout has at most 64
   pending.emplace(id, Pending{{}, t.clock, orders++, 1, false, {}});
   return id;
 }
@@ -275,6 +276,34 @@ NodeId Timeline::Impl::sensor_input(ThreadId thread_id, NameId name, std::uint64
   record_command(t, id, c);
   node(id).times.queued = node(id).times.submit = std::min(t.clock, t.trigger);
   settle(id, arrival(id, t, name, bytes), 0);
+  const Ns end = node(id).times.end;
+  if (end > t.clock) advance(t, end + layout.nodes[t.node].wakeup_ns);
+  drop(id);
+  return id;
+}
+
+NodeId Timeline::Impl::message(ThreadId thread_id, NameId name, NodeId post, std::uint64_t bytes) {
+  Thread& t = thread(thread_id);
+  if (name >= names.size()) throw profile::Error("timeline: a message without a name");
+  const Node& posted_by = node(post);
+  if (posted_by.kind != CommandKind::user_event || posted_by.state != State::resolved ||
+      posted_by.epoch != epoch) {
+    throw profile::Error("timeline: a message of command " + std::to_string(post) +
+                         ", expected a user event of this epoch that is complete");
+  }
+  const std::uint32_t home = posted_by.home;
+  const Ns posted = posted_by.times.end;
+  const NodeId id = new_node(CommandKind::message, kNone);
+  Command c;
+  c.kind = CommandKind::message;
+  c.name = name;
+  c.bytes = bytes;
+  c.waits = {&post, 1};
+  record_command(t, id, c);
+  node(id).times.queued = node(id).times.submit = std::min(t.clock, posted);
+  const auto [entry, first] = deliveries.try_emplace({post, name, t.node});
+  if (first) entry->second = placement.network(id, home, t.node, posted, bytes);
+  settle(id, entry->second, 0);
   const Ns end = node(id).times.end;
   if (end > t.clock) advance(t, end + layout.nodes[t.node].wakeup_ns);
   drop(id);

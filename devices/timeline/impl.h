@@ -54,6 +54,7 @@ class Timeline::Impl {
     std::uint16_t epoch = 0;
     CommandKind kind = CommandKind::kernel;
     State state = State::free;
+    std::uint8_t home = 0;  ///< node of the thread that made a user event
   };
 
   /// What placing a command takes, kept while it is pending.
@@ -99,6 +100,7 @@ class Timeline::Impl {
   NodeId host_step(ThreadId thread, NameId name, const Demand& demand, const Work* work);
   NodeId sensor_input(ThreadId thread, NameId name, std::uint64_t bytes);
   Placed arrival(NodeId id, const Thread& thread, NameId name, std::uint64_t bytes);
+  NodeId message(ThreadId thread, NameId name, NodeId post, std::uint64_t bytes);
   void record_command(Thread& thread, NodeId id, const Command& command);
   void collect(const Command& command, NodeId id, Pending& wanted);
   void depend(NodeId on, NodeId id, bool listed, Pending& wanted);
@@ -120,6 +122,7 @@ class Timeline::Impl {
   std::vector<NodeId> free_nodes;
   std::unordered_map<NodeId, Pending> pending;
   std::map<std::tuple<NameId, std::int64_t, std::uint32_t>, Placed> arrivals;  ///< frame's, at node
+  std::map<std::tuple<NodeId, NameId, std::uint32_t>, Placed> deliveries;      ///< post's, at node
   std::uint64_t orders = 0;
   std::uint16_t epoch = 0;
   bool any_bound = false;

@@ -5,15 +5,11 @@
 #include <limits>
 
 namespace partita::timeline {
-namespace {
 
-/// ceil(bytes / bps) in nanoseconds, at most what a duration may be.
-Ns duration_of(std::uint64_t bytes, std::uint64_t bps) {
+Ns Placement::duration_of(std::uint64_t bytes, std::uint64_t bps) {
   const auto scaled = static_cast<unsigned __int128>(bytes) * 1000000000u;
   return static_cast<Ns>(std::min<unsigned __int128>((scaled + bps - 1) / bps, kLongest));
 }
-
-}  // namespace
 
 Placement::Placement(const Layout& layout, std::vector<Occupation>* sink)
     : layout_(layout), sink_(sink) {
@@ -61,11 +57,13 @@ EngineId Placement::add_engine(std::string name, EngineKind kind, std::uint32_t 
                                DeviceId device, std::uint32_t network) {
   engines_.push_back({std::move(name), kind, node, device, network});
   busy_.emplace_back();
+  held_.push_back(0);
   return static_cast<EngineId>(engines_.size() - 1);
 }
 
 void Placement::clear() {
   for (auto& engine : busy_) engine.clear();
+  std::fill(held_.begin(), held_.end(), 0);
   for (auto& memory : memories_) memory.taken.clear();
   for (auto& device : devices_) device.loaded = 0;
 }
@@ -88,16 +86,21 @@ const std::vector<EngineId>& Placement::circuit(DeviceId device, NameId name,
   return found->engines;
 }
 
-/// The share of a memory that `bytes` in `busy` ns are; integers from here on.
-std::uint32_t Placement::share_of(std::uint32_t memory, Ns busy, std::uint64_t bytes) const {
-  if (memory == kNone || bytes == 0 || busy == 0) return 0;
-  const double whole = static_cast<double>(busy) * static_cast<double>(memories_[memory].bps);
+std::uint32_t Placement::share_in(std::uint32_t memory, Ns busy, std::uint64_t bytes) const {
+  return memory == kNone ? 0 : share_of(memories_[memory].bps, busy, bytes);
+}
+
+/// Integers from here on.
+std::uint32_t Placement::share_of(std::uint64_t memory_bps, Ns busy, std::uint64_t bytes) {
+  if (bytes == 0 || busy == 0) return 0;
+  const double whole = static_cast<double>(busy) * static_cast<double>(memory_bps);
   const double share = static_cast<double>(bytes) * 1e9 / whole * Bandwidth::kWhole;
   return static_cast<std::uint32_t>(std::clamp(std::ceil(share), 1.0, 1.0 * Bandwidth::kWhole));
 }
 
 void Placement::occupy(NodeId id, EngineId engine, Ns start, Ns end) {
   busy_[engine].reserve(start, end);
+  held_[engine] += end - start;
   if (sink_ != nullptr && end > start) sink_->push_back({id, engine, start, end});
 }
 
@@ -107,7 +110,7 @@ Placed Placement::on_first_free(NodeId id, const EngineId* engines, std::size_t 
                                 std::uint32_t memory, Ns ready, Ns launch, Ns busy,
                                 std::uint64_t bytes) {
   Bandwidth* taken = memory == kNone ? nullptr : &memories_[memory].taken;
-  const std::uint32_t share = share_of(memory, busy, bytes);
+  const std::uint32_t share = share_in(memory, busy, bytes);
   if (share > 0) ready = taken->open_from(ready);
   Placed best{std::numeric_limits<Ns>::max(), 0};
   EngineId chosen = engines[0];
@@ -166,7 +169,7 @@ Placed Placement::on_cores(NodeId id, DeviceId device, Ns ready, const Demand& d
   for (std::uint32_t cores = most; cores >= 1; --cores) {
     const Ns busy = busy_with(cores);
     if (ready + demand.launch_ns + busy >= best.end) break;  // fewer cores only take longer
-    const std::uint32_t share = share_of(node, busy, demand.bytes);
+    const std::uint32_t share = share_in(node, busy, demand.bytes);
     Ns start = cores_free(node, cores, ready, demand.launch_ns + busy), end = 0;
     for (bool fits = false; !fits;) {
       end = taken.stretched_end(start + demand.launch_ns, busy, share);
@@ -179,7 +182,7 @@ Placed Placement::on_cores(NodeId id, DeviceId device, Ns ready, const Demand& d
       chosen = cores;
     }
   }
-  const std::uint32_t share = share_of(node, busy_with(chosen), demand.bytes);
+  const std::uint32_t share = share_in(node, busy_with(chosen), demand.bytes);
   for (std::uint32_t c = 0, left = chosen; c < host.cores && left > 0; ++c) {
     const EngineId engine = cores_[node][c];
     if (busy_[engine].first_fit(best.start, best.end - best.start) != best.start) continue;

@@ -1,5 +1,6 @@
-// Placement: the machine's engines and memories, and where commands fit on them. Inside the
-// timeline only. It knows nothing of queues, events or threads: READY goes in, START and END out.
+// Placement: the machine's engines and memories, and where commands fit on them. It knows nothing
+// of queues, events or threads: READY goes in, START and END out. For the timeline, and for the
+// partitioner's simulator, which so places by the same rules.
 #ifndef PARTITA_DEVICES_TIMELINE_PLACEMENT_H
 #define PARTITA_DEVICES_TIMELINE_PLACEMENT_H
 
@@ -40,6 +41,12 @@ class Placement {
   /// Latency of the network between two nodes; 0 on the same one.
   Ns latency(std::uint32_t from, std::uint32_t to) const;
   const std::vector<Engine>& engines() const { return engines_; }
+  /// Time that each engine was held, by EngineId.
+  const std::vector<Ns>& held() const { return held_; }
+  /// The share of a memory's bandwidth, in parts of Bandwidth::kWhole, that `bytes` in `busy` ns are.
+  static std::uint32_t share_of(std::uint64_t memory_bps, Ns busy, std::uint64_t bytes);
+  /// ceil(bytes / bps) in nanoseconds, at most what a duration may be.
+  static Ns duration_of(std::uint64_t bytes, std::uint64_t bps);
   /// Everything free again.
   void clear();
 
@@ -66,7 +73,7 @@ class Placement {
   void add_devices();
   const std::vector<EngineId>& circuit(DeviceId device, NameId name, const std::string& text,
                                        std::uint32_t count);
-  std::uint32_t share_of(std::uint32_t memory, Ns busy, std::uint64_t bytes) const;
+  std::uint32_t share_in(std::uint32_t memory, Ns busy, std::uint64_t bytes) const;
   Placed on_first_free(NodeId id, const EngineId* engines, std::size_t count, std::uint32_t memory,
                        Ns ready, Ns launch, Ns busy, std::uint64_t bytes);
   Placed on_cores(NodeId id, DeviceId device, Ns ready, const Demand& demand);
@@ -77,6 +84,7 @@ class Placement {
   std::vector<Occupation>* sink_;
   std::vector<Engine> engines_;
   std::vector<BusyTimes> busy_;               ///< by EngineId
+  std::vector<Ns> held_;                      ///< by EngineId
   std::vector<std::vector<EngineId>> cores_;  ///< by node
   std::vector<Ns> starts_;                    ///< of cores_free, kept to save an allocation
   std::vector<EngineId> networks_;            ///< by link: a to b; the next engine is b to a

@@ -234,6 +234,11 @@ class Parser {
     c.bytes = at(o, "bytes", kMostBytes);
     c.compute_units = static_cast<std::uint32_t>(at(o, "units", 64));
     waits_of(o.at("waits"), c);
+    if (c.kind == CommandKind::message &&
+        (c.wait_count != 1 || record_.commands[record_.waits[c.first_wait]].kind !=
+                                  CommandKind::user_event)) {
+      fail("waits: expected one user event, which the message is of");
+    }
     const json& measured = list(o.at("measured"), "measured", 2, 2);
     c.measured_start = number(measured[0], "measured", kAny);
     c.measured_end = number(measured[1], "measured", kAny);

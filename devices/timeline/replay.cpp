@@ -161,8 +161,7 @@ class Replay {
   bool act(Player& player, const Action& action) {
     switch (action.type) {
       case ActionType::command:
-        enqueue(player, action.arg);
-        return true;
+        return enqueue(player, action.arg);
       case ActionType::wait:
         return timeline_.wait(player.id,
                               nodes_of(action.arg, static_cast<std::uint32_t>(action.value)));
@@ -182,7 +181,7 @@ class Replay {
     return true;
   }
 
-  void enqueue(Player& player, std::uint32_t index) {
+  bool enqueue(Player& player, std::uint32_t index) {
     const RecordedCommand& c = record_.commands[index];
     NodeId& node = nodes_[index];
     if (c.kind == CommandKind::user_event) {
@@ -192,6 +191,10 @@ class Replay {
     } else if (c.kind == CommandKind::sensor_input) {
       timeline_.set_label(player.id, c.task, c.frame);
       node = timeline_.sensor_input(player.id, c.name, c.bytes);
+    } else if (c.kind == CommandKind::message) {
+      const NodeId post = nodes_[record_.waits[c.first_wait]];
+      if (!timeline_.resolved(post)) return false;
+      node = timeline_.message(player.id, c.name, post, c.bytes);
     } else {
       auto waits = nodes_of(c.first_wait, c.wait_count);
       // A list whose commands were all done before the record began is still a list.
@@ -199,6 +202,7 @@ class Replay {
       node = timeline_.enqueue(player.id, {c.queue, c.kind, c.name, waits, c.demand, c.bytes,
                                            c.compute_units, nullptr, c.launch});
     }
+    return true;
   }
 
   /// An event that is complete from time 0 on.

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::string_view kKindNames[] = {
     "kernel", "write",   "read", "map",       "unmap",        "copy",      "fill",
-    "marker", "barrier", "load", "host_step", "sensor_input", "user_event"};
+    "marker", "barrier", "load", "host_step", "sensor_input", "user_event", "message"};
 static_assert(std::size(kKindNames) == static_cast<std::size_t>(CommandKind::count_));
 
 profile::Error no_such(const char* what, std::uint32_t id) {
@@ -93,6 +93,7 @@ void Timeline::Impl::new_epoch() {
   ++epoch;
   placement.clear();
   arrivals.clear();
+  deliveries.clear();
   recorder.restart(static_cast<NodeId>(nodes.size()));
   free_nodes.clear();  // while recording, ids are dense
   for (Thread& t : threads) {
@@ -284,6 +285,10 @@ NodeId Timeline::host_step(ThreadId thread, NameId name, const Demand& demand, c
 }
 NodeId Timeline::sensor_input(ThreadId thread, NameId name, std::uint64_t bytes) {
   return impl_->sensor_input(thread, name, bytes);
+}
+
+NodeId Timeline::message(ThreadId thread, NameId name, NodeId post, std::uint64_t bytes) {
+  return impl_->message(thread, name, post, bytes);
 }
 
 void Timeline::set_measured(NodeId node, std::uint64_t start, std::uint64_t end) {

@@ -120,6 +120,11 @@ class Timeline {
   /// waited for (the trigger), be it busy then or not; the thread waits for them. What one frame
   /// calls by one name travels to a node once: a second thread waits for the same arrival.
   NodeId sensor_input(ThreadId thread, NameId name, std::uint64_t bytes);
+  /// What another thread posted by completing the user event `post` travels from that thread's node
+  /// to this one's, from then on, be this thread busy or not; the thread waits for it. One name of
+  /// one post travels to a node once. On one node nothing travels, but a thread that has to sleep
+  /// for it pays for waking up. Throws Error unless `post` is a completed user event.
+  NodeId message(ThreadId thread, NameId name, NodeId post, std::uint64_t bytes);
 
   // ---- What came of it --------------------------------------------------------------------------
   /// Wall-clock start and end of the command as executed here (ns), for predicted against measured.

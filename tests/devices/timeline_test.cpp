@@ -234,6 +234,27 @@ TEST_F(TimelineTest, SensorsSendAtTheirTriggerThoughTheThreadIsBusy) {
   EXPECT_EQ(timeline.clock(thread), before);  // it was there already
 }
 
+TEST_F(TimelineTest, AMessageTravelsToANodeOnceAndWakesWhoWaits) {
+  const ThreadId soc = timeline.add_thread("soc"), second = timeline.add_thread("second");
+  timeline.bind_thread(soc, "soc", 1, kGpu0);
+  timeline.bind_thread(second, "second", 2, kGpu1);
+  timeline.wait_until(soc, 40'000);
+  const NodeId post = timeline.create_user_event(soc);
+  EXPECT_THROW(timeline.message(thread, 0, post, 1000), profile::Error);  // not yet
+  timeline.set_user_event(soc, post, 0);
+  const Times first = timeline.times(timeline.message(thread, 0, post, 1'000'000));
+  EXPECT_EQ(first.end, 40'000u + 5000 + 10'000'000);
+  EXPECT_EQ(timeline.clock(thread), first.end + 200);  // the node's wake-up
+  EXPECT_EQ(timeline.times(timeline.message(second, 0, post, 1'000'000)), first);
+  const Times other = timeline.times(timeline.message(second, timeline.intern("b"), post, 1000));
+  EXPECT_EQ(other.start, first.end);  // another name of it travels as well
+  const Ns before = timeline.clock(soc);
+  EXPECT_EQ(timeline.times(timeline.message(soc, 0, post, 1'000'000)).end, 40'000u);
+  EXPECT_EQ(timeline.clock(soc), before);
+  const Schedule again = replay(timeline.snapshot());
+  EXPECT_EQ(again.makespan, timeline.horizon());
+}
+
 TEST_F(TimelineTest, MapsMoveNothingInSharedMemory) {
   ThreadId soc = timeline.add_thread("soc");
   timeline.bind_thread(soc, "soc", 1, kGpu0);
