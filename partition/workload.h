@@ -36,6 +36,8 @@ struct Step {
   std::uint64_t bytes = 0;       ///< write, read, copy
   bool blocking = false;         ///< read, write: the host waits until it is done
   std::uint32_t work = 0;        ///< kernel, host: index into TaskWork::works
+  std::uint32_t memory_ports = 1;   ///< kernel, FPGA variant: as its FpgaDesign says
+  std::uint32_t compute_units = 1;  ///< likewise
 };
 
 /// A kernel's Work by variant_index(); a host step uses only [0]. Geometry is in the Work.

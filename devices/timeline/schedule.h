@@ -49,8 +49,9 @@ struct Energy {
 };
 /// `fpga_share` is the share of an FPGA's dynamic power that one of its circuits draws when its
 /// area is not known; see docs/predicted-clock.md.
+inline constexpr double kFpgaShare = 0.25;
 Energy energy(const Schedule& schedule, const Record& record, const profile::Machine& machine,
-              double fpga_share = 0.25);
+              double fpga_share = kFpgaShare);
 
 }  // namespace partita::timeline
 

@@ -1,0 +1,108 @@
+// Compiled tasks: a task's programs turned into operations on the engines of one place, with their
+// durations. What a simulation repeats thousands of times is worked out once here. Inside the
+// partitioner only.
+#ifndef PARTITA_PARTITION_COMPILE_H
+#define PARTITA_PARTITION_COMPILE_H
+
+#include <cstdint>
+#include <vector>
+
+#include "devices/timeline/placement.h"
+#include "partition/simulator.h"
+
+namespace partita::partition {
+
+using timeline::kNone;
+
+enum class OpType : std::uint8_t { kernel, write, read, copy, host, finish };
+
+/// One step of a program at a place. 24 bytes: simulations stream through thousands of them.
+struct Op {
+  Ns alone = 0;           ///< duration on free engines and an idle memory
+  std::uint32_t share = 0;   ///< of its memory's bandwidth while it runs alone
+  std::uint32_t detail = 0;  ///< index into CompiledTask::details
+  std::uint32_t slot = 0;    ///< engine, for accounting: index into Compiler::slots
+  OpType type = OpType::kernel;
+  bool blocking = false;
+  bool own_engine = false;  ///< no other task can use it: an FPGA's circuit
+};
+
+/// What placing an operation on a busy machine takes.
+struct OpDetail {
+  timeline::NameId name = 0;  ///< index into Compiler::names
+  timeline::Demand demand;
+  std::uint64_t bytes = 0;  ///< over the device's link
+  std::uint32_t compute_units = 1;
+  const Work* work = nullptr;
+  model::Launch launch;
+};
+
+struct CompiledFrame {
+  std::vector<Op> ops;
+  std::uint64_t device_bytes = 0;  ///< moved: link plus memory traffic, for the energy
+  std::uint64_t node_bytes = 0;    ///< the same of host steps
+};
+
+/// A task at one place.
+struct CompiledTask {
+  std::uint32_t device = kNone;  ///< kNone: on a node's CPU, host steps only
+  std::uint32_t node = 0;
+  Ns api_ns = 0, submit_ns = 0, wakeup_ns = 0;
+  std::vector<CompiledFrame> frames;  ///< frame k is frames[k % size]
+  std::vector<OpDetail> details;
+  /// Largest shares of a memory that it draws at once: by a command of its queue, and by a host
+  /// step beside it. A device's memory is its node's where they share one.
+  std::uint32_t device_share = 0, host_share = 0;
+
+  const CompiledFrame& frame(std::size_t k) const { return frames[k % frames.size()]; }
+};
+
+/// An engine as far as accounting goes: whose power it draws. Cores of a node count together.
+struct Slot {
+  std::string name;
+  timeline::EngineKind kind = timeline::EngineKind::compute;
+  std::uint32_t node = 0;
+  std::uint32_t device = kNone;
+};
+
+/// Compiles tasks for a machine whose parts may be faster or slower than declared.
+class Compiler {
+ public:
+  Compiler(const profile::Machine& machine, const Speeds& speeds);
+
+  /// Throws profile::Error if a kernel's Work needs what the device does not have.
+  CompiledTask compile(const TaskWork& task, const Place& place);
+
+  const timeline::Layout& layout() const { return layout_; }
+  const std::vector<std::string>& names() const { return names_; }
+  const std::vector<Slot>& slots() const { return slots_; }
+  /// Memory that commands of a device draw from: a node's index, or nodes + device where an FPGA
+  /// has its own; kNone: a discrete GPU's, which nobody shares.
+  std::uint32_t memory_of(std::uint32_t device) const;
+  /// Time to swap the bitstream of one reconfigurable region.
+  Ns load_ns(std::uint32_t device) const {
+    return machine_.devices[device].profile.fabric.partial_load_ns;
+  }
+  /// Index of the network link between two nodes.
+  std::uint32_t link_between(std::uint32_t a, std::uint32_t b) const;
+
+ private:
+  double device_speed(std::uint32_t device) const;
+  std::uint32_t name(const std::string& text);
+  std::uint32_t slot(std::string name, timeline::EngineKind kind, std::uint32_t node,
+                     std::uint32_t device);
+  OpDetail detail(const TaskWork& task, const Step& step, const CompiledTask& at);
+  Op op(const Step& step, const OpDetail& detail, const CompiledTask& at);
+  Ns transfer_ns(std::uint32_t device, std::uint64_t bytes, std::uint64_t& traffic) const;
+
+  const profile::Machine& machine_;
+  Speeds speeds_;
+  timeline::Layout layout_;
+  std::vector<model::DeviceModel> device_models_, node_models_;
+  std::vector<std::string> names_{""};
+  std::vector<Slot> slots_;
+};
+
+}  // namespace partita::partition
+
+#endif  // PARTITA_PARTITION_COMPILE_H
