@@ -150,8 +150,8 @@ OpDetail Compiler::detail(const TaskWork& task, const Step& step, const Compiled
                      detail.work->group_local_bytes};
     model::Circuit circuit;
     if (profile.type == DeviceType::fpga) {
-      circuit = {profile.performance.clock_hz, step.memory_ports, step.compute_units};
-      detail.compute_units = std::clamp(step.compute_units, 1u, 64u);
+      circuit = step.circuit;
+      detail.compute_units = std::clamp(circuit.compute_units, 1u, 64u);
     }
     detail.demand = faster(timeline::demand_of(device_models_[at.device].kernel(
                                *detail.work, detail.launch, circuit)),

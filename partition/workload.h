@@ -1,15 +1,18 @@
-// Workload: what the tasks of a pipeline ask of a machine, as data. A task's frame is a Program, the
-// sequence of what its host thread does: writes, kernels, reads, host steps. It is the same sequence
-// on every device; only the Work of a kernel differs by variant. Tasks export it (host/tasks), from
-// the counts of a recorded run or from typical ones; no OpenCL is needed to use it.
+// Workload: what the tasks of a pipeline ask of a machine, as data. A task's frame is a Program,
+// the sequence of what its host thread does: writes, kernels, reads, host steps. It is the same
+// sequence on every device; only the Work of a kernel differs by variant. Tasks export it
+// (host/tasks), from the counts of a recorded run or from typical ones; no OpenCL is needed to use
+// it.
 #ifndef PARTITA_PARTITION_WORKLOAD_H
 #define PARTITA_PARTITION_WORKLOAD_H
 
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "devices/model/model.h"
 #include "devices/profile/profile.h"
 #include "devices/work.h"
 
@@ -32,13 +35,20 @@ enum class StepKind : std::uint8_t {
 
 struct Step {
   StepKind kind = StepKind::kernel;
-  std::string name;              ///< of a kernel or a host step
-  std::uint64_t bytes = 0;       ///< write, read, copy
-  bool blocking = false;         ///< read, write: the host waits until it is done
-  std::uint32_t work = 0;        ///< kernel, host: index into TaskWork::works
-  std::uint32_t memory_ports = 1;   ///< kernel, FPGA variant: as its FpgaDesign says
-  std::uint32_t compute_units = 1;  ///< likewise
+  std::string name;         ///< of a kernel or a host step
+  std::uint64_t bytes = 0;  ///< write, read, copy
+  bool blocking = false;    ///< read, write: the host waits until it is done
+  std::uint32_t work = 0;   ///< kernel, host: index into TaskWork::works
+  /// kernel on an FPGA: its memory ports and compute units; clock_hz 0: the profile's clock.
+  model::Circuit circuit = {};
+  bool operator==(const Step& o) const {
+    return kind == o.kind && name == o.name && bytes == o.bytes && blocking == o.blocking &&
+           work == o.work && circuit.clock_hz == o.circuit.clock_hz &&
+           circuit.memory_ports == o.circuit.memory_ports &&
+           circuit.compute_units == o.circuit.compute_units;
+  }
 };
+std::string_view to_string(StepKind kind);
 
 /// A kernel's Work by variant_index(); a host step uses only [0]. Geometry is in the Work.
 using VariantWork = std::array<Work, kVariants>;
@@ -75,8 +85,13 @@ struct Workload {
   std::size_t frame_count() const;
 };
 
-/// Throws profile::Error, one line that names task, frame and step, for a Work index or a variant
-/// that does not exist, a task without frames, a Work of an unknown kind.
+/// 16 hex digits over origin and tasks; what Workload::hash should be.
+std::string content_hash(const Workload& workload);
+
+/// Throws profile::Error, one line that names task, frame and step, for a Work index that does not
+/// exist, a Work of an unknown kind, a launch without groups in a variant that the task has, device
+/// steps in a task without a variant, a task without frames or with neither one nor frame_count()
+/// of them, and names that are empty or twice there.
 void check(const Workload& workload);
 
 }  // namespace partita::partition

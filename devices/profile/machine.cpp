@@ -12,28 +12,6 @@ namespace fs = std::filesystem;
 namespace partita::profile {
 namespace {
 
-std::vector<std::string> stems(const fs::path& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (it->path().extension() == ".yaml") names.push_back(it->path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "(none there)" : text;
-}
-
-/// Names of files and nodes: letters, digits, '-', '_', '.', and no path in disguise.
-bool plain_name(const std::string& name) {
-  const auto ok = [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_'; };
-  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), ok);
-}
-
 /// Builds a Machine from its file; keeps the profiles it has read, for the hash.
 class MachineLoader {
  public:
@@ -179,11 +157,11 @@ Machine load_machine(const std::string& what, const std::string& profiles) {
 }
 
 std::vector<std::string> list_machines(const std::string& profiles) {
-  return stems(fs::path(profiles) / "machines");
+  return yaml_stems((fs::path(profiles) / "machines").string());
 }
 
 std::vector<std::string> list_devices(const std::string& profiles) {
-  return stems(fs::path(profiles) / "devices");
+  return yaml_stems((fs::path(profiles) / "devices").string());
 }
 
 }  // namespace partita::profile

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <numeric>
 #include <sstream>
@@ -201,14 +202,20 @@ std::string Reader::text(std::string_view key) const {
   return value.Scalar();
 }
 
-std::string Reader::words(std::string_view key) const {
+std::vector<std::string> Reader::texts(std::string_view key) const {
   const YAML::Node value = require(key, "a list of texts");
   if (!value.IsSequence()) fail(key, "is " + excerpt(value) + ", expected a list of texts");
-  std::string joined;
+  std::vector<std::string> texts;
   for (const auto& item : value) {
     if (!item.IsScalar()) fail(key, "has " + excerpt(item) + " in it, expected texts");
-    joined += (joined.empty() ? "" : " ") + item.Scalar();
+    texts.push_back(item.Scalar());
   }
+  return texts;
+}
+
+std::string Reader::words(std::string_view key) const {
+  std::string joined;
+  for (const std::string& text : texts(key)) joined += (joined.empty() ? "" : " ") + text;
   return joined;
 }
 
@@ -322,6 +329,28 @@ std::string read_file(const std::string& path) {
   if (!in || !(bytes << in.rdbuf())) throw Error(path + ": cannot be read");
   if (bytes.str().size() > kMaxFile) throw Error(path + ": larger than 1 MiB, not a profile");
   return bytes.str();
+}
+
+bool plain_name(const std::string& name) {
+  const auto ok = [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_'; };
+  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), ok);
+}
+
+std::vector<std::string> yaml_stems(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().extension() == ".yaml") names.push_back(it->path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "(none there)" : text;
 }
 
 }  // namespace partita::profile

@@ -1,4 +1,4 @@
-// A strict view of one mapping of a YAML file. Inside the profile library only.
+// A strict view of one mapping of a YAML file: what profiles, machines and pipelines are read with.
 #ifndef PARTITA_DEVICES_PROFILE_READER_H
 #define PARTITA_DEVICES_PROFILE_READER_H
 
@@ -35,7 +35,9 @@ class Reader {
   std::vector<std::string> keys() const;
 
   std::string text(std::string_view key) const;
-  /// A text, or a list of texts joined by spaces; may be empty.
+  /// A list of texts; may be empty.
+  std::vector<std::string> texts(std::string_view key) const;
+  /// The same joined by spaces.
   std::string words(std::string_view key) const;
   bool flag(std::string_view key) const;
   double number(std::string_view key, Range range) const;
@@ -70,6 +72,14 @@ class Reader {
 
 /// The file's bytes; throws Error if it cannot be read or is larger than 1 MiB.
 std::string read_file(const std::string& path);
+
+/// Names of files, nodes and tasks: letters, digits, '-' and '_', at most 64, so no path in
+/// disguise.
+bool plain_name(const std::string& name);
+/// Names of the folder's .yaml files without their ending, sorted.
+std::vector<std::string> yaml_stems(const std::string& folder);
+/// "a, b, c" for an error's list of what there is.
+std::string listed(const std::vector<std::string>& names);
 
 }  // namespace partita::profile
 
