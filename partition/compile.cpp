@@ -159,7 +159,7 @@ OpDetail Compiler::detail(const TaskWork& task, const Step& step, const Compiled
   } else if (step.kind == StepKind::copy) {
     detail.demand = faster(timeline::demand_of(device_models_[at.device].copy(step.bytes)),
                            device_speed(at.device));
-  } else {
+  } else if (step.kind != StepKind::finish) {
     detail.bytes = step.bytes;
   }
   return detail;

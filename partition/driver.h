@@ -31,6 +31,7 @@ struct Trace {
   static constexpr Ns kNot = std::numeric_limits<Ns>::max();
   struct Task {
     std::vector<Ns> start, end;  ///< by frame: inputs there, outputs posted
+    std::vector<Ns> gone;        ///< by frame: when it was dropped
     std::size_t dropped = 0;
   };
   std::vector<Task> tasks;
@@ -69,6 +70,7 @@ class Driver {
     for (auto& task : trace_.tasks) {
       task.start.assign(scene.frames, Trace::kNot);
       task.end.assign(scene.frames, Trace::kNot);
+      task.gone.assign(scene.frames, Trace::kNot);
       task.dropped = 0;
     }
   }
@@ -88,7 +90,7 @@ class Driver {
  private:
   enum class State : std::uint8_t { ready, blocked, done };
   enum class Stage : std::uint8_t { take, trigger, sense, inputs, turn, steps };
-  enum class Message : std::uint8_t { absent, undecided, there };
+  enum class Message : std::uint8_t { not_due, undecided, dropped, there };
 
   struct Actor {
     State state = State::ready;
@@ -175,9 +177,9 @@ class Driver {
   }
 
   Message message(const Input& input, std::size_t frame) const {
-    if (frame % tasks_[input.task].every != 0) return Message::absent;
+    if (frame % tasks_[input.task].every != 0) return Message::not_due;
     if (actors_[input.task].decided <= frame) return Message::undecided;
-    return trace_.tasks[input.task].end[frame] == Trace::kNot ? Message::absent : Message::there;
+    return trace_.tasks[input.task].end[frame] == Trace::kNot ? Message::dropped : Message::there;
   }
 
   // ---- Which frame is next ----------------------------------------------------------------------
@@ -193,10 +195,10 @@ class Driver {
   /// its front is next, or else whatever comes first.
   void take_waiting(std::uint32_t i, Actor& actor) {
     const Ns now = clock_.now(i);
-    Ns ready = 0;
-    bool known = true;
-    while (actor.next < scene_.frames && (known = when_ready(i, actor.next, ready)) &&
-           ready <= now) {
+    Ready ready;
+    while (actor.next < scene_.frames) {
+      ready = when_ready(i, actor.next);
+      if (!ready.known || !ready.any || ready.time > now) break;
       arrive(i, actor);
     }
     if (!actor.queue.empty()) {
@@ -205,29 +207,32 @@ class Driver {
       return start(i, actor);
     }
     if (actor.next >= scene_.frames) return finish(i, actor);
-    if (!known) return block(actor);
+    if (!ready.known) return block(actor);
     actor.frame = actor.next;
     actor.next += tasks_[i].every;
-    if (ready == Trace::kNot) return skip(i, actor);
-    clock_.wait_until(i, tasks_[i].inputs.empty() ? ready : ready + clock_.wakeup_ns(i));
+    const bool sleeps = ready.time > now && !tasks_[i].inputs.empty();
+    clock_.wait_until(i, ready.time + (sleeps && ready.any ? clock_.wakeup_ns(i) : 0));
+    if (!ready.any) return skip(i, actor);
     start(i, actor);
   }
 
-  /// When all that the frame needs is there; kNot: never. False while that is undecided.
-  bool when_ready(std::uint32_t i, std::size_t frame, Ns& ready) const {
-    ready = arrival(frame);
-    if (!due(i, frame)) return true;
-    bool any = false;
+  /// When all that a frame needs is there, or was dropped; `any`: not all of it was.
+  struct Ready {
+    bool known = true, any = true;
+    Ns time = 0;
+  };
+  Ready when_ready(std::uint32_t i, std::size_t frame) const {
+    if (!due(i, frame)) return {true, true, arrival(frame)};
+    Ready ready{true, false, 0};
     for (const Input& input : tasks_[i].inputs) {
       const Message is = message(input, frame);
-      if (is == Message::undecided) return false;
-      if (is == Message::absent) continue;
-      ready = any ? std::max(ready, trace_.tasks[input.task].end[frame])
-                  : trace_.tasks[input.task].end[frame];
-      any = true;
+      if (is == Message::undecided) return {false, false, 0};
+      if (is == Message::not_due) continue;
+      const Trace::Task& from = trace_.tasks[input.task];
+      ready.time = std::max(ready.time, is == Message::there ? from.end[frame] : from.gone[frame]);
+      ready.any = ready.any || is == Message::there;
     }
-    if (!any) ready = Trace::kNot;
-    return true;
+    return ready;
   }
 
   void arrive(std::uint32_t i, Actor& actor) {
@@ -261,15 +266,20 @@ class Driver {
 
   // ---- What it does with it ---------------------------------------------------------------------
 
-  /// Its inputs one after the other, in the pipeline's order; of those that are not of this frame
-  /// the latest earlier ones are there already.
+  /// Its inputs one after the other, in the pipeline's order. Of those that are not of this frame,
+  /// or were dropped on the way, it uses the latest earlier ones, which it has; but that one was
+  /// dropped it only knows when that happened.
   void receive(std::uint32_t i, Actor& actor) {
     const auto& inputs = tasks_[i].inputs;
     while (actor.input < inputs.size()) {
       const Message is = message(inputs[actor.input], actor.frame);
       if (is == Message::undecided) return block(actor);
       ++actor.input;
-      if (is == Message::absent) continue;
+      if (is == Message::not_due) continue;
+      if (is == Message::dropped) {
+        const Trace::Task& from = trace_.tasks[inputs[actor.input - 1].task];
+        return clock_.wait_until(i, from.gone[actor.frame]);
+      }
       actor.any = true;
       return clock_.message(i, actor.input - 1, actor.frame);
     }
@@ -316,8 +326,13 @@ class Driver {
     woken_ = true;
   }
   void decide(std::uint32_t i, std::size_t frames) {
-    if (frames <= actors_[i].decided) return;
-    actors_[i].decided = frames;
+    Actor& actor = actors_[i];
+    if (frames <= actor.decided) return;
+    Trace::Task& task = trace_.tasks[i];
+    for (std::size_t k = actor.decided; k < frames; ++k) {
+      if (task.end[k] == Trace::kNot) task.gone[k] = clock_.now(i);
+    }
+    actor.decided = frames;
     for (const std::uint32_t consumer : scene_.channels->consumers[i]) wake(actors_[consumer]);
   }
 

@@ -1,0 +1,80 @@
+// The simulator against the real Timeline: the same times to the nanosecond, for random pipelines,
+// workloads and placements on the declared machines.
+#include "partition/simulator.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/partition/random_world.h"
+
+namespace partita::partition {
+namespace {
+
+using test::RandomWorld;
+using test::WorldOptions;
+
+const std::string kProfiles = PARTITA_SOURCE_DIR "/profiles";
+
+std::vector<profile::Machine> machines() {
+  std::vector<profile::Machine> all;
+  for (const std::string& name : profile::list_machines(kProfiles)) {
+    all.push_back(profile::load_machine(name, kProfiles));
+  }
+  return all;
+}
+
+void expect_equal(const Distribution& a, const Distribution& b, const char* what) {
+  EXPECT_EQ(a.mean, b.mean) << what;
+  EXPECT_EQ(a.p50, b.p50) << what;
+  EXPECT_EQ(a.p99, b.p99) << what;
+  EXPECT_EQ(a.max, b.max) << what;
+}
+
+void expect_equal(const Figures& a, const Figures& b) {
+  expect_equal(a.latency, b.latency, "latency");
+  expect_equal(a.perception, b.perception, "perception");
+  expect_equal(a.age, b.age, "age");
+  EXPECT_EQ(a.throughput_hz, b.throughput_hz);
+  EXPECT_EQ(a.late, b.late);
+  EXPECT_EQ(a.dropped, b.dropped);
+  EXPECT_EQ(a.makespan, b.makespan);
+  EXPECT_NEAR(a.energy_per_frame_j, b.energy_per_frame_j, 1e-9 * (1 + b.energy_per_frame_j));
+  EXPECT_EQ(a.price_usd, b.price_usd);
+  ASSERT_EQ(a.tasks.size(), b.tasks.size());
+  for (std::size_t i = 0; i < a.tasks.size(); ++i) {
+    expect_equal(a.tasks[i].latency, b.tasks[i].latency, "a task's latency");
+    expect_equal(a.tasks[i].duration, b.tasks[i].duration, "a task's duration");
+    EXPECT_EQ(a.tasks[i].dropped, b.tasks[i].dropped);
+    EXPECT_EQ(a.tasks[i].late, b.tasks[i].late);
+  }
+}
+
+class SimulatorTest : public ::testing::TestWithParam<bool> {};  // swapping allowed?
+
+TEST_P(SimulatorTest, TheCompiledFormEqualsTheTimelineToTheNanosecond) {
+  const auto all = machines();
+  for (std::uint32_t seed = 0; seed < 150; ++seed) {
+    RandomWorld world(seed);
+    const profile::Machine& machine = all[seed % all.size()];
+    SimulatorOptions options;
+    options.frames = 20;
+    options.allow_swap = GetParam();
+    const Simulator simulator(machine, world.pipeline, world.workload, options);
+    for (int i = 0; i < 4; ++i) {
+      const TaskPlacement placement = world.placement(simulator);
+      if (!simulator.infeasible(placement).empty()) continue;
+      SCOPED_TRACE("seed " + std::to_string(seed) + " on " + machine.id + ": " +
+                   simulator.name(placement));
+      const Reference reference = simulator.reference(placement);
+      expect_equal(simulator.run(placement), reference.figures);
+      ASSERT_FALSE(HasFailure());
+      for (const timeline::ScheduledCommand& c : reference.schedule.commands) {
+        ASSERT_EQ(c.times, reference.record.commands[c.command].live) << "of the replay";
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SimulatorTest, ::testing::Bool());
+
+}  // namespace
+}  // namespace partita::partition
