@@ -55,7 +55,7 @@ DeviceProfile parse_device(const std::string& text, const std::string& path) try
   device.type = static_cast<DeviceType>(reader.choice("type", {"cpu", "gpu", "fpga"}));
   if (device.type == DeviceType::fpga) keys.push_back("fabric");
   reader.allow(keys);
-  device.price_usd = reader.number("price", {"USD", 0.01, 1e7});
+  device.price_usd = reader.number("price", {"USD", 0, 1e7});
   read_opencl(reader.section("opencl"), device.opencl);
   read_performance(reader.section("performance"), device.type, device.performance);
   read_host(reader.section("host"), device.host);

@@ -109,7 +109,7 @@ struct HostLink {
 
 struct Power {
   double idle_w = 0;
-  double busy_w = 0;               ///< whole device at full load, idle power included
+  double busy_w = 0;  ///< whole device at full load, idle power included, memory traffic aside
   double transfer_j_per_byte = 0;  ///< memory and link energy of one byte moved
 };
 
@@ -142,8 +142,8 @@ struct DeviceProfile {
   HostCosts host;
   HostLink link;  ///< bandwidth 0 for a CPU that is only a host
   Power power;
-  Fabric fabric;  ///< all zero unless type is fpga
-  double price_usd = 0;
+  Fabric fabric;                    ///< all zero unless type is fpga
+  double price_usd = 0;             ///< 0: paid with the host CPU, on the same board or module
   std::vector<Provenance> numbers;  ///< every number of the file
   std::string path;
   std::string content_hash;  ///< FNV-1a 64 of the file's bytes, 16 hex digits

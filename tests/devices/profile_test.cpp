@@ -2,6 +2,7 @@
 // line that names file, line and key.
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -43,8 +44,10 @@ std::string error_of(const std::string& text) {
 
 TEST(Profiles, EveryShippedDeviceLoadsAndEveryNumberHasASource) {
   const auto names = list_devices(kProfiles);
-  EXPECT_THAT(names, ::testing::IsSupersetOf(
-                         {"cortex-a53", "gtx1060", "i5-8500", "tx2-cpu", "tx2-gpu", "zcu102"}));
+  EXPECT_THAT(names, ::testing::IsSupersetOf({"cortex-a53", "cortex-a53-k26", "gtx1060", "h200",
+                                              "i5-8500", "kv260", "orin-nano-cpu", "orin-nano-gpu",
+                                              "rtx4060", "ryzen-9700x", "tx2-cpu", "tx2-gpu",
+                                              "u250", "xeon-8568y", "zcu102"}));
   for (const auto& name : names) {
     const DeviceProfile device = load_device(kProfiles + "/devices/" + name + ".yaml");
     EXPECT_EQ(device.id, name);
@@ -91,6 +94,73 @@ TEST(Profiles, DevicesAnswerAsTheirRuntimesDo) {
   EXPECT_FALSE(fpga.doubles());
   EXPECT_FALSE(fpga.image_support);
   EXPECT_FALSE(fpga.compiler_available);
+  const auto card = load_device(kProfiles + "/devices/u250.yaml");
+  EXPECT_EQ(card.opencl.max_mem_alloc_size, 4ull << 30);
+  EXPECT_FALSE(card.link.shared_memory);
+}
+
+/// A machine's devices, each once: nodes' host CPUs, and what is not one.
+std::vector<const DeviceProfile*> parts(const Machine& machine) {
+  std::vector<const DeviceProfile*> parts;
+  for (const Node& node : machine.nodes) parts.push_back(&node.host);
+  for (const MachineDevice& device : machine.devices) {
+    if (!device.is_host_cpu) parts.push_back(&device.profile);
+  }
+  return parts;
+}
+
+/// Power of a part at full load with its memory at full bandwidth.
+double full_load_w(const DeviceProfile& part) {
+  const Performance& p = part.performance;
+  return part.power.busy_w +
+         p.memory_bandwidth * p.memory_reachable * part.power.transfer_j_per_byte;
+}
+
+TEST(Profiles, WhatSharesABoardIsPaidOnce) {
+  const std::map<std::string, double> prices{
+      {"cpu-only", 192},        {"gpu-only", 192 + 249},         {"tx2", 399},
+      {"orin-nano", 249},       {"dragonfly", 2495 + 192 + 249}, {"kv260-rtx", 249 + 359 + 299},
+      {"h200", 6497 + 35000.0}, {"u250-rtx", 12995 + 359 + 299},
+  };
+  for (const auto& [name, price] : prices) {
+    double sum = 0;
+    for (const DeviceProfile* part : parts(load_machine(name, kProfiles))) sum += part->price_usd;
+    EXPECT_DOUBLE_EQ(sum, price) << name;
+  }
+}
+
+TEST(Profiles, FullLoadIsWhatBoardsAndModulesDraw) {
+  const std::map<std::string, double> boards{
+      {"gtx1060", 120}, {"rtx4060", 115}, {"h200", 700}, {"u250", 110}};
+  for (const auto& [name, watts] : boards) {
+    EXPECT_NEAR(full_load_w(load_device(kProfiles + "/devices/" + name + ".yaml")), watts,
+                0.02 * watts)
+        << name;
+  }
+  // Devices of a module share its memory, whose traffic therefore counts once.
+  for (const auto& [name, watts] : std::map<std::string, double>{{"tx2", 18}, {"orin-nano", 25}}) {
+    const Machine machine = load_machine(name, kProfiles);
+    const double gpu = machine.devices[0].profile.power.busy_w;
+    EXPECT_NEAR(full_load_w(machine.nodes[0].host) + gpu, watts, 0.05 * watts) << name;
+  }
+}
+
+TEST(Profiles, PeaksFollowFromClockUnitsAndRate) {
+  const std::map<std::string, double> tera{{"gtx1060", 4.37},       {"tx2-gpu", 0.666},
+                                           {"orin-nano-gpu", 2.09}, {"rtx4060", 15.1},
+                                           {"h200", 66.9},          {"i5-8500", 0.749}};
+  for (const auto& [name, flops] : tera) {
+    const Performance p = load_device(kProfiles + "/devices/" + name + ".yaml").performance;
+    const double fma = p.ops_per_cycle[static_cast<std::size_t>(OpClass::float_fma)];
+    EXPECT_NEAR(2 * fma * p.units * p.clock_hz / 1e12, flops, 0.005 * flops) << name;
+  }
+}
+
+TEST(Profiles, NoCopyIsFasterThanItsMemory) {
+  for (const auto& name : list_devices(kProfiles)) {
+    const Performance p = load_device(kProfiles + "/devices/" + name + ".yaml").performance;
+    EXPECT_LE(2 * p.copy_bandwidth, p.memory_bandwidth * p.memory_reachable) << name;
+  }
 }
 
 struct BadInput {
@@ -218,7 +288,9 @@ TEST(Machines, AnUnknownNameListsWhatThereIs) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_THAT(e.what(), HasSubstr("'dragonfy'"));
-    EXPECT_THAT(e.what(), HasSubstr("cpu-only, dragonfly, gpu-only, tx2"));
+    EXPECT_THAT(
+        e.what(),
+        HasSubstr("cpu-only, dragonfly, gpu-only, h200, kv260-rtx, orin-nano, tx2, u250-rtx"));
   }
   EXPECT_THROW(load_machine("/no/such.yaml"), Error);
 }
