@@ -140,6 +140,32 @@ double joules(const Consumption& c, const Parts& parts, const profile::Machine& 
   return sum;
 }
 
+void EngineUses::add(const std::string& engine, timeline::EngineKind kind, std::uint32_t node,
+                     Ns busy) {
+  if (busy == 0) return;
+  const bool core = kind == timeline::EngineKind::core;
+  const std::string name = core ? machine_.nodes[node].name + "/cores" : engine;
+  auto known = std::find_if(uses_.begin(), uses_.end(),
+                            [&](const EngineUse& use) { return use.name == name; });
+  if (known == uses_.end()) {
+    known = uses_.insert(known, {name, 0, 0});
+    engines_.push_back(core ? machine_.nodes[node].host.performance.units : 1.0);
+  }
+  known->busy += busy;
+}
+
+std::vector<EngineUse> EngineUses::by_share(Ns makespan) const {
+  std::vector<EngineUse> uses = uses_;
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    uses[i].share =
+        static_cast<double>(uses[i].busy) / (static_cast<double>(makespan) * engines_[i]);
+  }
+  std::sort(uses.begin(), uses.end(), [](const EngineUse& a, const EngineUse& b) {
+    return a.share != b.share ? a.share > b.share : a.name < b.name;
+  });
+  return uses;
+}
+
 Figures figures_of(const Trace& trace, const Scene& scene) {
   Figures figures;
   const std::vector<std::uint32_t>& outputs = scene.pipeline->outputs;

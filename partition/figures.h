@@ -26,6 +26,21 @@ struct Consumption {
 /// By the formulas of docs/predicted-clock.md, of the parts used.
 double joules(const Consumption& consumption, const Parts& parts, const profile::Machine& machine);
 
+/// Who was busy for how long. The cores of a node count as one, since which of them it was means
+/// nothing.
+class EngineUses {
+ public:
+  explicit EngineUses(const profile::Machine& machine) : machine_(machine) {}
+  void add(const std::string& engine, timeline::EngineKind kind, std::uint32_t node, Ns busy);
+  /// Those that were busy at all, the busiest first.
+  std::vector<EngineUse> by_share(Ns makespan) const;
+
+ private:
+  const profile::Machine& machine_;
+  std::vector<EngineUse> uses_;
+  std::vector<double> engines_;  ///< how many each of them is
+};
+
 /// Latencies, rate, lateness and drops: what a search compares, besides what follows.
 Figures figures_of(const Trace& trace, const Scene& scene);
 void set_energy(Figures& figures, const Scene& scene, double joules, Ns makespan);

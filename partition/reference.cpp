@@ -1,8 +1,5 @@
 #include "partition/reference.h"
 
-#include <algorithm>
-#include <memory>
-
 namespace partita::partition {
 namespace {
 
@@ -150,17 +147,14 @@ double reference_joules(const ReferenceRun& run, const Parts& parts,
   return sum;
 }
 
-std::vector<EngineUse> engines_of(const timeline::Schedule& schedule) {
-  std::vector<EngineUse> engines;
-  std::vector<Ns> busy(schedule.engines.size(), 0);
-  for (const timeline::Occupation& o : schedule.occupations) busy[o.engine] += o.end - o.start;
-  const std::vector<double> shares = schedule.utilisation();
-  for (std::size_t i = 0; i < busy.size(); ++i) {
-    if (busy[i] > 0) engines.push_back({schedule.engines[i].name, busy[i], shares[i]});
+std::vector<EngineUse> engines_of(const ReferenceRun& run, const profile::Machine& machine) {
+  EngineUses uses(machine);
+  for (const timeline::Occupation& o : run.schedule.occupations) {
+    if (run.record.commands[o.node].kind == CommandKind::load) continue;
+    const timeline::Engine& engine = run.schedule.engines[o.engine];
+    uses.add(engine.name, engine.kind, engine.node, o.end - o.start);
   }
-  std::stable_sort(engines.begin(), engines.end(),
-                   [](const EngineUse& a, const EngineUse& b) { return a.busy > b.busy; });
-  return engines;
+  return uses.by_share(run.schedule.makespan);
 }
 
 }  // namespace partita::partition

@@ -18,8 +18,7 @@ ReferenceRun run_reference(const Scene& scene, const Compiler& compiler);
 /// The energy of a schedule by timeline::energy(), without what the placement does not need.
 double reference_joules(const ReferenceRun& run, const Parts& parts,
                         const profile::Machine& machine);
-/// Busy engines of a schedule, the busiest first.
-std::vector<EngineUse> engines_of(const timeline::Schedule& schedule);
+std::vector<EngineUse> engines_of(const ReferenceRun& run, const profile::Machine& machine);
 
 }  // namespace partita::partition
 

@@ -284,7 +284,7 @@ Consumption Simulator::Impl::consumption(const Scratch& scratch) const {
   }
   const auto& engines = clock.calendars().engines();
   for (std::size_t e = 0; e < engines.size(); ++e) {
-    add(engines[e].kind, engines[e].node, engines[e].device, clock.calendars().held()[e]);
+    add(engines[e].kind, engines[e].node, engines[e].device, clock.calendars().worked()[e]);
   }
   for (std::size_t i = 0; i < scratch.scene.tasks.size(); ++i) {
     const CompiledTask& task = *scratch.scene.tasks[i];
@@ -310,35 +310,19 @@ Figures Simulator::Impl::figures(const TaskPlacement& placement, Scratch& scratc
   return figures;
 }
 
-/// Held times of the same engine, with a calendar or without, under one name; cores of a node as
-/// one, since which of them it was means nothing.
+/// Of each engine, the time with a calendar and without.
 void Simulator::Impl::add_engines(const Scratch& scratch, Figures& figures) const {
+  EngineUses uses(machine_);
   const auto& slots = compiler_.slots();
-  std::vector<EngineUse> use;
   for (std::size_t s = 0; s < slots.size(); ++s) {
-    use.push_back({slots[s].name, scratch.clock.held_by_slot()[s], 0});
+    uses.add(slots[s].name, slots[s].kind, slots[s].node, scratch.clock.held_by_slot()[s]);
   }
   const auto& engines = scratch.clock.calendars().engines();
   for (std::size_t e = 0; e < engines.size(); ++e) {
-    const bool core = engines[e].kind == timeline::EngineKind::core;
-    const std::string name =
-        core ? machine_.nodes[engines[e].node].name + "/cores" : engines[e].name;
-    auto known = std::find_if(use.begin(), use.end(),
-                              [&](const EngineUse& u) { return u.name == name; });
-    if (known == use.end()) known = use.insert(known, {name, 0, 0});
-    known->busy += scratch.clock.calendars().held()[e];
+    uses.add(engines[e].name, engines[e].kind, engines[e].node,
+             scratch.clock.calendars().worked()[e]);
   }
-  for (EngineUse& u : use) {
-    if (u.busy == 0) continue;
-    double engines_of_it = 1;
-    for (const profile::Node& node : machine_.nodes) {
-      if (u.name == node.name + "/cores") engines_of_it = node.host.performance.units;
-    }
-    u.share = static_cast<double>(u.busy) / static_cast<double>(figures.makespan) / engines_of_it;
-    figures.engines.push_back(u);
-  }
-  std::stable_sort(figures.engines.begin(), figures.engines.end(),
-                   [](const EngineUse& a, const EngineUse& b) { return a.share > b.share; });
+  figures.engines = uses.by_share(figures.makespan);
 }
 
 Simulator::Simulator(const profile::Machine& machine, const Pipeline& pipeline,
@@ -434,7 +418,7 @@ Reference Simulator::reference(const TaskPlacement& placement) const {
   for (std::size_t i = 0; i < figures.tasks.size(); ++i) {
     figures.tasks[i].alone_ns = impl_->alone_ns_[i][placement[i]];
   }
-  figures.engines = engines_of(run.schedule);
+  figures.engines = engines_of(run, impl_->machine_);
   return {std::move(run.record), std::move(run.schedule), std::move(figures)};
 }
 

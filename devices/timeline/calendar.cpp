@@ -4,10 +4,26 @@
 #include <stdexcept>
 
 namespace partita::timeline {
+namespace {
+
+/// std::upper_bound for questions about times near the end, which nearly all are: doubling steps
+/// from the back bracket the answer, then it is searched for in there.
+template <typename T, typename Later>
+typename std::vector<T>::const_iterator upper_bound_from_back(const std::vector<T>& all, Ns time,
+                                                              const Later& later) {
+  auto high = all.end();
+  for (std::ptrdiff_t step = 1; high != all.begin(); step *= 2) {
+    const auto low = high - std::min(step, high - all.begin());
+    if (!later(time, *low)) return std::upper_bound(low + 1, high, time, later);
+    high = low;
+  }
+  return high;
+}
+
+}  // namespace
 
 std::vector<BusyTimes::Interval>::const_iterator BusyTimes::first_ending_after(Ns time) const {
-  return std::upper_bound(busy_.begin(), busy_.end(), time,
-                          [](Ns t, const Interval& i) { return t < i.end; });
+  return upper_bound_from_back(busy_, time, [](Ns t, const Interval& i) { return t < i.end; });
 }
 
 Ns BusyTimes::first_fit(Ns ready, Ns duration) const {
@@ -62,8 +78,8 @@ void BusyTimes::close_before(Ns time) {
 }
 
 std::size_t Bandwidth::step_at(Ns time) const {
-  const auto after = std::upper_bound(steps_.begin(), steps_.end(), time,
-                                      [](Ns t, const Step& s) { return t < s.from; });
+  const auto after =
+      upper_bound_from_back(steps_, time, [](Ns t, const Step& s) { return t < s.from; });
   return static_cast<std::size_t>(after - steps_.begin()) - 1;
 }
 

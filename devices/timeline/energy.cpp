@@ -61,6 +61,7 @@ Energy energy(const Schedule& schedule, const Record& record, const profile::Mac
   std::vector<std::uint64_t> device_bytes(machine.devices.size(), 0);
   std::vector<std::uint64_t> node_bytes(machine.nodes.size(), 0);
   for (const Occupation& o : schedule.occupations) {
+    if (record.commands[o.node].kind == CommandKind::load) continue;  // nothing works meanwhile
     busy[o.engine] += o.end - o.start;
     const std::uint32_t network = schedule.engines[o.engine].network;
     if (network != kNone) link_bytes[network] += record.commands[o.node].bytes;

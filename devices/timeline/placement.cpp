@@ -7,6 +7,8 @@
 namespace partita::timeline {
 
 Ns Placement::duration_of(std::uint64_t bytes, std::uint64_t bps) {
+  constexpr std::uint64_t kShort = 18'000'000'000;  // times 10^9 it still fits 64 bits
+  if (bytes < kShort) return std::min((bytes * 1000000000u + bps - 1) / bps, kLongest);
   const auto scaled = static_cast<unsigned __int128>(bytes) * 1000000000u;
   return static_cast<Ns>(std::min<unsigned __int128>((scaled + bps - 1) / bps, kLongest));
 }
@@ -57,13 +59,13 @@ EngineId Placement::add_engine(std::string name, EngineKind kind, std::uint32_t 
                                DeviceId device, std::uint32_t network) {
   engines_.push_back({std::move(name), kind, node, device, network});
   busy_.emplace_back();
-  held_.push_back(0);
+  worked_.push_back(0);
   return static_cast<EngineId>(engines_.size() - 1);
 }
 
 void Placement::clear() {
   for (auto& engine : busy_) engine.clear();
-  std::fill(held_.begin(), held_.end(), 0);
+  std::fill(worked_.begin(), worked_.end(), 0);
   for (auto& memory : memories_) memory.taken.clear();
   for (auto& device : devices_) device.loaded = 0;
 }
@@ -100,7 +102,7 @@ std::uint32_t Placement::share_of(std::uint64_t memory_bps, Ns busy, std::uint64
 
 void Placement::occupy(NodeId id, EngineId engine, Ns start, Ns end) {
   busy_[engine].reserve(start, end);
-  held_[engine] += end - start;
+  worked_[engine] += end - start;
   if (sink_ != nullptr && end > start) sink_->push_back({id, engine, start, end});
 }
 
@@ -119,6 +121,7 @@ Placed Placement::on_first_free(NodeId id, const EngineId* engines, std::size_t 
     for (bool fits = false; !fits;) {
       const Ns running = start + launch;
       end = share > 0 ? taken->stretched_end(running, busy, share) : running + busy;
+      if (end == running + busy) break;  // as first_fit was asked for
       const Ns next = busy_[engines[i]].first_fit(start, end - start);
       fits = next == start;
       start = next;
@@ -139,11 +142,13 @@ Ns Placement::cores_free(std::uint32_t node, std::uint32_t wanted, Ns ready, Ns 
   const auto& cores = cores_[node];
   starts_.resize(cores.size());
   for (Ns time = ready;;) {
-    for (std::size_t c = 0; c < cores.size(); ++c) {
+    std::uint32_t at_once = 0;
+    for (std::size_t c = 0; c < cores.size() && at_once < wanted; ++c) {
       starts_[c] = busy_[cores[c]].first_fit(time, duration);
+      at_once += starts_[c] == time ? 1 : 0;
     }
+    if (at_once == wanted) return time;
     std::nth_element(starts_.begin(), starts_.begin() + (wanted - 1), starts_.end());
-    if (starts_[wanted - 1] == time) return time;
     time = starts_[wanted - 1];
   }
 }
@@ -155,8 +160,8 @@ Placed Placement::on_cores(NodeId id, DeviceId device, Ns ready, const Demand& d
   const LayoutNode& host = layout_.nodes[node];
   const std::uint32_t most = std::clamp(demand.units, 1u, host.cores);
   const auto busy_with = [&](std::uint32_t cores) {
-    const auto all = static_cast<unsigned __int128>(demand.compute_ns) * most;
-    Ns busy = std::max(static_cast<Ns>((all + cores - 1) / cores), demand.memory_ns);
+    const Ns all = demand.compute_ns * most;  // below 2^42 times at most 4,096
+    Ns busy = std::max((all + cores - 1) / cores, demand.memory_ns);
     if (host.unit_memory_bps > 0) {
       busy = std::max(busy, duration_of(demand.bytes, host.unit_memory_bps * cores));
     }
@@ -173,6 +178,7 @@ Placed Placement::on_cores(NodeId id, DeviceId device, Ns ready, const Demand& d
     Ns start = cores_free(node, cores, ready, demand.launch_ns + busy), end = 0;
     for (bool fits = false; !fits;) {
       end = taken.stretched_end(start + demand.launch_ns, busy, share);
+      if (end == start + demand.launch_ns + busy) break;  // as cores_free was asked for
       const Ns next = cores_free(node, cores, start, end - start);
       fits = next == start;
       start = next;
@@ -236,7 +242,10 @@ Placed Placement::load(NodeId id, DeviceId device, Ns ready, const Demand& deman
     agreed = fit == start ? agreed + 1 : 1;
     start = fit;
   }
-  for (const EngineId engine : all) occupy(id, engine, start, start + duration);
+  for (const EngineId engine : all) {
+    occupy(id, engine, start, start + duration);
+    worked_[engine] -= duration;  // nothing works while it loads
+  }
   e.loaded = std::max(e.loaded, start + duration);
   return {start, start + duration};
 }

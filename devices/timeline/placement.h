@@ -41,8 +41,8 @@ class Placement {
   /// Latency of the network between two nodes; 0 on the same one.
   Ns latency(std::uint32_t from, std::uint32_t to) const;
   const std::vector<Engine>& engines() const { return engines_; }
-  /// Time that each engine was held, by EngineId.
-  const std::vector<Ns>& held() const { return held_; }
+  /// Time that each engine worked, by EngineId: held, but not by a load.
+  const std::vector<Ns>& worked() const { return worked_; }
   /// The share of a memory's bandwidth, in parts of Bandwidth::kWhole, that `bytes` in `busy` ns are.
   static std::uint32_t share_of(std::uint64_t memory_bps, Ns busy, std::uint64_t bytes);
   /// ceil(bytes / bps) in nanoseconds, at most what a duration may be.
@@ -84,7 +84,7 @@ class Placement {
   std::vector<Occupation>* sink_;
   std::vector<Engine> engines_;
   std::vector<BusyTimes> busy_;               ///< by EngineId
-  std::vector<Ns> held_;                      ///< by EngineId
+  std::vector<Ns> worked_;                      ///< by EngineId
   std::vector<std::vector<EngineId>> cores_;  ///< by node
   std::vector<Ns> starts_;                    ///< of cores_free, kept to save an allocation
   std::vector<EngineId> networks_;            ///< by link: a to b; the next engine is b to a
