@@ -132,6 +132,40 @@ Ns CompiledClock::post(std::uint32_t i, std::size_t frame) {
   return posts_[i * scene_->frames + frame] = threads_[i].clock;
 }
 
+Consumption CompiledClock::consumption(const Trace& trace) const {
+  const timeline::Layout& layout = compiler_.layout();
+  Consumption c;
+  c.device_busy.assign(layout.devices.size(), 0);
+  c.node_busy.assign(layout.nodes.size(), 0);
+  c.device_bytes.assign(layout.devices.size(), 0);
+  c.node_bytes.assign(layout.nodes.size(), 0);
+  c.link_bytes = link_bytes_;
+  c.makespan = horizon();
+  const auto add = [&c](timeline::EngineKind kind, std::uint32_t node, std::uint32_t device,
+                        Ns busy) {
+    if (kind == timeline::EngineKind::core) c.node_busy[node] += busy;
+    if (kind == timeline::EngineKind::compute) c.device_busy[device] += busy;
+  };
+  const auto& slots = compiler_.slots();
+  for (std::size_t s = 0; s < slots.size(); ++s) {
+    add(slots[s].kind, slots[s].node, slots[s].device, held_[s]);
+  }
+  const auto& engines = placement_.engines();
+  for (std::size_t e = 0; e < engines.size(); ++e) {
+    add(engines[e].kind, engines[e].node, engines[e].device, placement_.worked()[e]);
+  }
+  for (std::size_t i = 0; i < scene_->tasks.size(); ++i) {
+    const CompiledTask& task = *scene_->tasks[i];
+    for (std::size_t k = 0; k < scene_->frames; ++k) {
+      if (trace.tasks[i].end[k] == Trace::kNot) continue;
+      const CompiledFrame& frame = task.frame(k + scene_->offset);
+      if (task.device != kNone) c.device_bytes[task.device] += frame.device_bytes;
+      c.node_bytes[task.node] += frame.node_bytes;
+    }
+  }
+  return c;
+}
+
 Ns CompiledClock::horizon() const {
   Ns latest = 0;
   for (const Thread& t : threads_) latest = std::max({latest, t.clock, t.queue_end});

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "partition/driver.h"
+#include "partition/figures.h"
 
 namespace partita::partition {
 
@@ -50,8 +50,8 @@ class CompiledClock {
   /// beside it, by the compiler's slots. An engine's time is the sum of both.
   const timeline::Placement& calendars() const { return placement_; }
   const std::vector<Ns>& held_by_slot() const { return held_; }
-  /// Bytes that crossed each network link.
-  const std::vector<std::uint64_t>& link_bytes() const { return link_bytes_; }
+  /// What the frames of the trace, which this clock has just driven, have consumed.
+  Consumption consumption(const Trace& trace) const;
 
  private:
   struct Thread {

@@ -55,8 +55,13 @@ struct Scene {
   const Pipeline* pipeline = nullptr;
   const Channels* channels = nullptr;
   std::size_t frames = 0;
+  std::size_t offset = 0;  ///< frame 0 counts as this one where tasks run on every k-th frame only
   std::vector<const CompiledTask*> tasks;  ///< by task of the pipeline
   std::vector<bool> swaps;                 ///< by device: tasks take turns with their bitstreams
+
+  bool runs(std::uint32_t task, std::size_t frame) const {
+    return (frame + offset) % pipeline->tasks[task].every == 0;
+  }
 };
 
 template <typename Clock>
@@ -66,6 +71,9 @@ class Driver {
       : scene_(scene), clock_(clock), trace_(trace), tasks_(scene.pipeline->tasks) {
     actors_.resize(tasks_.size());
     turns_.resize(scene.swaps.size());
+    for (std::uint32_t i = 0; i < tasks_.size(); ++i) {
+      while (actors_[i].next < scene.frames && !scene.runs(i, actors_[i].next)) ++actors_[i].next;
+    }
     trace_.tasks.resize(tasks_.size());
     for (auto& task : trace_.tasks) {
       task.start.assign(scene.frames, Trace::kNot);
@@ -172,12 +180,12 @@ class Driver {
   bool due(std::uint32_t i, std::size_t frame) const {
     const auto& inputs = tasks_[i].inputs;
     return std::any_of(inputs.begin(), inputs.end(), [&](const Input& input) {
-      return frame % tasks_[input.task].every == 0;
+      return scene_.runs(input.task, frame);
     });
   }
 
   Message message(const Input& input, std::size_t frame) const {
-    if (frame % tasks_[input.task].every != 0) return Message::not_due;
+    if (!scene_.runs(input.task, frame)) return Message::not_due;
     if (actors_[input.task].decided <= frame) return Message::undecided;
     return trace_.tasks[input.task].end[frame] == Trace::kNot ? Message::dropped : Message::there;
   }
@@ -210,8 +218,8 @@ class Driver {
     if (!ready.known) return block(actor);
     actor.frame = actor.next;
     actor.next += tasks_[i].every;
-    const bool sleeps = ready.time > now && !tasks_[i].inputs.empty();
-    clock_.wait_until(i, ready.time + (sleeps && ready.any ? clock_.wakeup_ns(i) : 0));
+    const bool woken = ready.time > now && ready.any && due(i, actor.frame);
+    clock_.wait_until(i, ready.time + (woken ? clock_.wakeup_ns(i) : 0));
     if (!ready.any) return skip(i, actor);
     start(i, actor);
   }
@@ -299,7 +307,7 @@ class Driver {
       if (turn.last != i) clock_.load(i);
       turn.last = i;
     }
-    actor.program = &scene_.tasks[i]->frame(actor.frame);
+    actor.program = &scene_.tasks[i]->frame(actor.frame + scene_.offset);
     actor.op = 0;
     actor.stage = Stage::steps;
   }

@@ -11,30 +11,13 @@ Ns trigger(const Scene& scene, std::size_t frame) {
   return frame * scene.pipeline->period_ns;
 }
 
-/// Latest END of the tasks on a frame that all of them run on; kNot if one of them did not do it.
-Ns last_end(const Trace& trace, const std::vector<std::uint32_t>& tasks, std::size_t frame) {
-  Ns last = 0;
-  for (const std::uint32_t task : tasks) {
-    if (trace.tasks[task].end[frame] == Trace::kNot) return Trace::kNot;
-    last = std::max(last, trace.tasks[task].end[frame]);
-  }
-  return last;
-}
-
-/// Frames that every task of the list is meant to do.
-bool due(const Scene& scene, const std::vector<std::uint32_t>& tasks, std::size_t frame) {
-  return std::all_of(tasks.begin(), tasks.end(), [&](std::uint32_t task) {
-    return frame % scene.pipeline->tasks[task].every == 0;
-  });
-}
-
 Distribution latencies(const Trace& trace, const Scene& scene,
                        const std::vector<std::uint32_t>& tasks) {
   std::vector<Ns> values;
   values.reserve(scene.frames);
   for (std::size_t k = 0; k < scene.frames; ++k) {
     const Ns end = last_end(trace, tasks, k);
-    if (due(scene, tasks, k) && end != Trace::kNot) values.push_back(end - trigger(scene, k));
+    if (end != Trace::kNot) values.push_back(end - trigger(scene, k));
   }
   return distribution(std::move(values));
 }
@@ -85,11 +68,24 @@ double rate(const Trace& trace, const Scene& scene, const std::vector<std::uint3
     if (count++ == 0) first = end;
     last = std::max(last, end);
   }
-  if (count < 2) return 0;
-  return static_cast<double>(count - 1) * 1e9 / static_cast<double>(std::max<Ns>(last - first, 1));
+  return rate_of(count, first, last);
 }
 
 }  // namespace
+
+Ns last_end(const Trace& trace, const std::vector<std::uint32_t>& tasks, std::size_t frame) {
+  Ns last = 0;
+  for (const std::uint32_t task : tasks) {
+    if (trace.tasks[task].end[frame] == Trace::kNot) return Trace::kNot;
+    last = std::max(last, trace.tasks[task].end[frame]);
+  }
+  return last;
+}
+
+double rate_of(std::size_t count, Ns first, Ns last) {
+  if (count < 2) return 0;
+  return static_cast<double>(count - 1) * 1e9 / static_cast<double>(std::max<Ns>(last - first, 1));
+}
 
 Parts parts_of(const Scene& scene, const profile::Machine& machine) {
   Parts parts;
@@ -175,7 +171,7 @@ Figures figures_of(const Trace& trace, const Scene& scene) {
   for (std::size_t k = 0; k < scene.frames; ++k) {
     bool late = false, dropped = false;
     for (const std::uint32_t task : outputs) {
-      if (k % scene.pipeline->tasks[task].every != 0) continue;
+      if (!scene.runs(task, k)) continue;
       const Ns end = trace.tasks[task].end[k];
       dropped = dropped || end == Trace::kNot;
       late = late || (end != Trace::kNot && end - trigger(scene, k) > deadline(scene, task));

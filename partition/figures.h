@@ -41,6 +41,11 @@ class EngineUses {
   std::vector<double> engines_;  ///< how many each of them is
 };
 
+/// Latest END of the tasks on a frame; kNot if one of them did not do it.
+Ns last_end(const Trace& trace, const std::vector<std::uint32_t>& tasks, std::size_t frame);
+/// Per second, of `count` frames that were finished between two times; 0 for fewer than two.
+double rate_of(std::size_t count, Ns first, Ns last);
+
 /// Latencies, rate, lateness and drops: what a search compares, besides what follows.
 Figures figures_of(const Trace& trace, const Scene& scene);
 void set_energy(Figures& figures, const Scene& scene, double joules, Ns makespan);

@@ -7,6 +7,7 @@
 
 #include "devices/model/area.h"
 #include "partition/compiled_clock.h"
+#include "partition/periodic.h"
 #include "partition/reference.h"
 
 namespace partita::partition {
@@ -54,8 +55,8 @@ class Simulator::Impl {
   std::string misfit(const TaskPlacement& placement, std::uint32_t device) const;
   template <typename Use>
   auto with_scratch(const Use& use) const;
-  Figures figures(const TaskPlacement& placement, Scratch& scratch) const;
-  Consumption consumption(const Scratch& scratch) const;
+  /// Of scratch.scene.
+  Figures simulate(Scratch& scratch) const;
   void add_engines(const Scratch& scratch, Figures& figures) const;
 
   const profile::Machine& machine_;
@@ -68,6 +69,7 @@ class Simulator::Impl {
   std::vector<std::vector<Place>> places_;         ///< by task
   std::vector<std::vector<CompiledTask>> compiled_;  ///< by task and place
   std::vector<std::vector<double>> alone_ns_, energy_j_;
+  bool jitter_free_ = true;
 
  private:
   void find_places();
@@ -166,6 +168,7 @@ void Simulator::Impl::find_channels() {
 void Simulator::Impl::compile() {
   for (std::uint32_t i = 0; i < works_.size(); ++i) {
     compiled_.emplace_back();
+    jitter_free_ = jitter_free_ && works_[i]->frames.size() == 1;
     for (const Place& place : places_[i]) {
       compiled_.back().push_back(compiler_.compile(*works_[i], place));
     }
@@ -187,7 +190,7 @@ void Simulator::Impl::measure_alone(std::uint32_t task, std::uint32_t place) {
   const CompiledTask& compiled = compiled_[task][place];
   const std::size_t frames = std::min(compiled.frames.size(), options_.frames);
   Scratch scratch(compiler_);
-  scratch.scene = {&single, &channels, frames, {&compiled},
+  scratch.scene = {&single, &channels, frames, 0, {&compiled},
                    std::vector<bool>(machine_.devices.size(), false)};
   scratch.clock.reset(scratch.scene);
   Driver<CompiledClock>(scratch.scene, scratch.clock, scratch.trace).run();
@@ -198,7 +201,7 @@ void Simulator::Impl::measure_alone(std::uint32_t task, std::uint32_t place) {
     active += compiled.frames[k].ops.empty() ? 0 : 1;
   }
   const double count = static_cast<double>(std::max<std::size_t>(active, 1));
-  Consumption used = consumption(scratch);
+  Consumption used = scratch.clock.consumption(scratch.trace);
   used.makespan = 0;  // above idle
   alone_ns_[task].push_back(sum / count);
   energy_j_[task].push_back(joules(used, parts_of(scratch.scene, machine_), machine_) / count);
@@ -214,8 +217,11 @@ void Simulator::Impl::check_placement(const TaskPlacement& placement) const {
 
 Scene Simulator::Impl::scene(const TaskPlacement& placement) const {
   check_placement(placement);
-  Scene scene{&pipeline_, &channels_, options_.frames, {},
-              std::vector<bool>(machine_.devices.size(), false)};
+  Scene scene;
+  scene.pipeline = &pipeline_;
+  scene.channels = &channels_;
+  scene.frames = options_.frames;
+  scene.swaps.assign(machine_.devices.size(), false);
   for (std::size_t i = 0; i < placement.size(); ++i) {
     scene.tasks.push_back(&compiled_[i][placement[i]]);
   }
@@ -264,47 +270,12 @@ auto Simulator::Impl::with_scratch(const Use& use) const {
   return result;
 }
 
-Consumption Simulator::Impl::consumption(const Scratch& scratch) const {
-  const CompiledClock& clock = scratch.clock;
-  Consumption c;
-  c.device_busy.assign(machine_.devices.size(), 0);
-  c.node_busy.assign(machine_.nodes.size(), 0);
-  c.device_bytes.assign(machine_.devices.size(), 0);
-  c.node_bytes.assign(machine_.nodes.size(), 0);
-  c.link_bytes = clock.link_bytes();
-  c.makespan = clock.horizon();
-  const auto add = [&c](timeline::EngineKind kind, std::uint32_t node, std::uint32_t device,
-                        Ns held) {
-    if (kind == timeline::EngineKind::core) c.node_busy[node] += held;
-    if (kind == timeline::EngineKind::compute) c.device_busy[device] += held;
-  };
-  const auto& slots = compiler_.slots();
-  for (std::size_t s = 0; s < slots.size(); ++s) {
-    add(slots[s].kind, slots[s].node, slots[s].device, clock.held_by_slot()[s]);
-  }
-  const auto& engines = clock.calendars().engines();
-  for (std::size_t e = 0; e < engines.size(); ++e) {
-    add(engines[e].kind, engines[e].node, engines[e].device, clock.calendars().worked()[e]);
-  }
-  for (std::size_t i = 0; i < scratch.scene.tasks.size(); ++i) {
-    const CompiledTask& task = *scratch.scene.tasks[i];
-    for (std::size_t k = 0; k < scratch.scene.frames; ++k) {
-      if (scratch.trace.tasks[i].end[k] == Trace::kNot) continue;
-      const CompiledFrame& frame = task.frame(k);
-      if (task.device != kNone) c.device_bytes[task.device] += frame.device_bytes;
-      c.node_bytes[task.node] += frame.node_bytes;
-    }
-  }
-  return c;
-}
-
-Figures Simulator::Impl::figures(const TaskPlacement& placement, Scratch& scratch) const {
-  scratch.scene = scene(placement);
+Figures Simulator::Impl::simulate(Scratch& scratch) const {
   scratch.clock.reset(scratch.scene);
   Driver<CompiledClock>(scratch.scene, scratch.clock, scratch.trace).run();
   Figures figures = figures_of(scratch.trace, scratch.scene);
   const Parts parts = parts_of(scratch.scene, machine_);
-  const Consumption used = consumption(scratch);
+  const Consumption used = scratch.clock.consumption(scratch.trace);
   set_energy(figures, scratch.scene, joules(used, parts, machine_), used.makespan);
   figures.price_usd = price_of(parts, machine_);
   return figures;
@@ -390,19 +361,41 @@ double Simulator::price(const TaskPlacement& placement) const {
 }
 
 Figures Simulator::quick(const TaskPlacement& placement) const {
-  return impl_->with_scratch(
-      [&](Impl::Scratch& scratch) { return impl_->figures(placement, scratch); });
+  return impl_->with_scratch([&](Impl::Scratch& scratch) {
+    scratch.scene = impl_->scene(placement);
+    return impl_->simulate(scratch);
+  });
 }
 
 Figures Simulator::run(const TaskPlacement& placement) const {
   return impl_->with_scratch([&](Impl::Scratch& scratch) {
-    Figures figures = impl_->figures(placement, scratch);
+    scratch.scene = impl_->scene(placement);
+    Figures figures = impl_->simulate(scratch);
     add_details(scratch.trace, scratch.scene, figures);
     for (std::size_t i = 0; i < figures.tasks.size(); ++i) {
       figures.tasks[i].alone_ns = impl_->alone_ns_[i][placement[i]];
     }
     impl_->add_engines(scratch, figures);
     return figures;
+  });
+}
+
+Figures Simulator::periodic(const TaskPlacement& placement) const {
+  if (!impl_->jitter_free_) {
+    throw Error("simulator: the workload (" + impl_->workload_.origin +
+                ") differs from frame to frame, expected frames that are all alike");
+  }
+  return impl_->with_scratch([&](Impl::Scratch& scratch) {
+    scratch.scene = impl_->scene(placement);
+    const std::size_t cycle = cycle_of(impl_->pipeline_);
+    scratch.scene.frames = (impl_->options_.frames + cycle - 1) / cycle * cycle;
+    auto run = run_periodic(scratch.scene, scratch.clock, scratch.trace);
+    if (!run) return impl_->simulate(scratch);
+    const Parts parts = parts_of(scratch.scene, impl_->machine_);
+    set_energy(run->figures, scratch.scene, joules(run->consumption, parts, impl_->machine_),
+               run->consumption.makespan);
+    run->figures.price_usd = price_of(parts, impl_->machine_);
+    return std::move(run->figures);
   });
 }
 

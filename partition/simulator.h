@@ -110,8 +110,8 @@ class Simulator {
   Figures run(const TaskPlacement& placement) const;
   /// Only what a search compares: latency, perception, throughput, energy, power, price, late.
   Figures quick(const TaskPlacement& placement) const;
-  /// For the steady state of frames that are all like the first program: exact, without simulating
-  /// them all. Equal to run() of a jitter-free workload over whole periods.
+  /// As quick(), for a workload without jitter (else Error), over options().frames rounded up to
+  /// whole cycles of the pipeline: exact, mostly without simulating them all.
   Figures periodic(const TaskPlacement& placement) const;
   /// The same as run() on the real Timeline, with the record and the schedule.
   Reference reference(const TaskPlacement& placement) const;

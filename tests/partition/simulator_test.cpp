@@ -29,16 +29,20 @@ void expect_equal(const Distribution& a, const Distribution& b, const char* what
   EXPECT_EQ(a.max, b.max) << what;
 }
 
-void expect_equal(const Figures& a, const Figures& b) {
+void expect_same_quick(const Figures& a, const Figures& b) {
   expect_equal(a.latency, b.latency, "latency");
   expect_equal(a.perception, b.perception, "perception");
-  expect_equal(a.age, b.age, "age");
   EXPECT_EQ(a.throughput_hz, b.throughput_hz);
   EXPECT_EQ(a.late, b.late);
   EXPECT_EQ(a.dropped, b.dropped);
   EXPECT_EQ(a.makespan, b.makespan);
   EXPECT_NEAR(a.energy_per_frame_j, b.energy_per_frame_j, 1e-9 * (1 + b.energy_per_frame_j));
   EXPECT_EQ(a.price_usd, b.price_usd);
+}
+
+void expect_equal(const Figures& a, const Figures& b) {
+  expect_same_quick(a, b);
+  expect_equal(a.age, b.age, "age");
   ASSERT_EQ(a.engines.size(), b.engines.size());
   for (std::size_t i = 0; i < a.engines.size(); ++i) {
     EXPECT_EQ(a.engines[i].name, b.engines[i].name);
@@ -77,6 +81,36 @@ TEST_P(SimulatorTest, TheCompiledFormEqualsTheTimelineToTheNanosecond) {
       }
     }
   }
+}
+
+TEST_P(SimulatorTest, FramesThatAreAllAlikeNeedNotAllBeSimulated) {
+  const auto all = machines();
+  WorldOptions jitter_free;
+  jitter_free.recorded_frames = 1;
+  for (std::uint32_t seed = 0; seed < 200; ++seed) {
+    RandomWorld world(seed, jitter_free);
+    world.pipeline.period_ns *= 1 + seed % 5 * 3;
+    SimulatorOptions options;
+    options.frames = 48;  // whole cycles: tasks run on every first to fourth frame
+    options.allow_swap = GetParam();
+    const Simulator simulator(all[seed % all.size()], world.pipeline, world.workload, options);
+    for (int i = 0; i < 4; ++i) {
+      const TaskPlacement placement = world.placement(simulator);
+      if (!simulator.infeasible(placement).empty()) continue;
+      SCOPED_TRACE("seed " + std::to_string(seed) + ": " + simulator.name(placement));
+      const Figures quick = simulator.quick(placement), periodic = simulator.periodic(placement);
+      expect_same_quick(periodic, quick);
+      ASSERT_FALSE(HasFailure());
+    }
+  }
+}
+
+TEST(Simulator, AWorkloadWithJitterIsNotPeriodic) {
+  RandomWorld world(3);
+  world.workload.tasks[0].frames.resize(5);
+  const auto machine = profile::load_machine("gpu-only", kProfiles);
+  const Simulator simulator(machine, world.pipeline, world.workload);
+  EXPECT_THROW(simulator.periodic(world.placement(simulator)), profile::Error);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SimulatorTest, ::testing::Bool());
