@@ -144,6 +144,17 @@ std::size_t PipelineRun::tracked_frames() const {
                     [](const auto& frame) { return frame.tracked || frame.first; }));
 }
 
+std::vector<FrameWork> PipelineRun::work(std::size_t frames) const {
+  std::vector<FrameWork> common;
+  auto other = scene.begin();
+  for (const frontend::FrontendResult& pose : localization) {
+    while (other != scene.end() && other->frame < pose.frame) ++other;
+    if (other == scene.end() || pose.frame >= static_cast<std::int64_t>(frames)) break;
+    if (other->frame == pose.frame) common.push_back({pose.frame, pose.counts, other->counts});
+  }
+  return common;
+}
+
 Pipeline::Pipeline(const PipelineOptions& options, const sensing::StereoCalibration& calibration)
     : options_(options) {
   const std::vector<runtime::Device> devices = runtime::find_devices();
@@ -158,10 +169,9 @@ Pipeline::Pipeline(const PipelineOptions& options, const sensing::StereoCalibrat
     sessions_[index] = open_session(options, *chosen[index], branch);
   }
   frontend_ = std::make_unique<frontend::Frontend>(session(Branch::localization), calibration);
-  depth::DepthParameters parameters;
-  parameters.max_disparity = std::min(parameters.max_disparity, calibration.width - 1);
-  depth_ = std::make_unique<depth::Depth>(session(Branch::scene), calibration.width,
-                                          calibration.height, parameters);
+  depth_ =
+      std::make_unique<depth::Depth>(session(Branch::scene), calibration.width, calibration.height,
+                                     depth::default_parameters(calibration.width));
 }
 
 void Pipeline::warm_up() {
@@ -191,8 +201,10 @@ PipelineRun Pipeline::run(FrameFeed& feed, const std::vector<std::uint64_t>& arr
   });
   std::thread scene([&] {
     driver(Branch::scene).drive([&](const std::shared_ptr<const sensing::Frame>& frame) {
-      sink(frame,
-           depth_->process(frame->left, frame->right, static_cast<std::int64_t>(frame->index)));
+      const auto index = static_cast<std::int64_t>(frame->index);
+      depth::DisparityMap map = depth_->process(frame->left, frame->right, index);
+      result.scene.push_back({index, map.counts});
+      sink(frame, std::move(map));
     });
   });
   localization.join();

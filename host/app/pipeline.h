@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/app/frame_feed.h"
+#include "host/app/run_counts.h"
 #include "host/runtime/session.h"
 #include "host/tasks/depth/depth.h"
 #include "host/tasks/frontend/frontend.h"
@@ -41,15 +42,24 @@ struct BranchRun {
   std::vector<std::size_t> dropped;
 };
 
+/// What the scene had to do for a frame.
+struct SceneCounts {
+  std::int64_t frame = 0;
+  depth::FrameCounts counts;
+};
+
 struct PipelineRun {
   std::array<BranchRun, partition::kBranches.size()> branches;
   /// One per processed frame; features only of the first, which is drawn.
   std::vector<frontend::FrontendResult> localization;
-  bool stopped = false;      ///< by a signal
-  std::exception_ptr error;  ///< what ended the run early; what was finished before is valid
+  std::vector<SceneCounts> scene;  ///< one per processed frame
+  bool stopped = false;            ///< by a signal
+  std::exception_ptr error;        ///< what ended the run early; what was finished before is valid
 
   /// Of `localization`: those with a pose of their own, the first included.
   std::size_t tracked_frames() const;
+  /// What the first `frames` frames had to do, those that both branches did.
+  std::vector<FrameWork> work(std::size_t frames) const;
   const BranchRun& of(Branch branch) const { return branches[static_cast<std::size_t>(branch)]; }
 };
 

@@ -17,6 +17,7 @@
 #include "host/app/environment.h"
 #include "host/app/exit_code.h"
 #include "host/app/run.h"
+#include "host/app/run_counts.h"
 #include "host/app/stop.h"
 #include "host/app/wall_clock.h"
 #include "host/io/json_file.h"
@@ -29,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kResults[] = {"overview.png", "trajectory.txt", "trajectory.tum",
-                                    "trace.json", "summary.json"};
+                                    "trace.json",   "work.json",      "summary.json"};
 
 bool is_earlier_run(const fs::path& folder) {
   if (io::is_partial(folder.string(), io::kRunWriter)) return true;
@@ -255,7 +256,8 @@ class Run {
     if (report.frames == 0) return;
     output([&] { write_trajectories(report, folder); });
     if (report.pipeline.predicted()) report.prediction = predict(report, folder);
-    report.files.insert(report.files.end(), {"disparity/", "trace.json", "summary.json"});
+    report.files.insert(report.files.end(),
+                        {"disparity/", "trace.json", kWorkFile, "summary.json"});
     output([&] {
       if (depth.first_map() && !run.localization.empty()) {
         write_overview(folder.file("overview.png"), depth, run.localization.front(), estimate_,
@@ -263,6 +265,12 @@ class Run {
         report.files.insert(report.files.begin(), "overview.png");
       }
       write_run_trace(folder.file("trace.json"), report);
+      const std::vector<FrameWork> work = run.work(report.frames);
+      write_counts(folder.file(kWorkFile),
+                   {.origin = fmt::format("{} frames of {}", work.size(), source_->name()),
+                    .width = source_->calibration().width,
+                    .height = source_->calibration().height,
+                    .frames = work});
       const Json summary = to_json(report);
       io::write_json(folder.file("summary.json"), summary);
       if (!report.partial()) folder.complete();

@@ -24,6 +24,8 @@ nlohmann::ordered_json read_json(const std::string& path) {
     const std::size_t at = std::min(e.byte, text.size());
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(at), '\n');
     throw Error(fmt::format("{}:{}: not JSON", path, line));
+  } catch (const nlohmann::json::out_of_range&) {
+    throw Error(fmt::format("{}: number overflow: one is too large to be read", path));
   }
 }
 

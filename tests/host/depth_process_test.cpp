@@ -99,7 +99,7 @@ TEST(DepthProcess, BlankPicturesGiveAnEmptyMap) {
     for (const Variant variant : runtime::kVariants) {
       const DisparityMap map = run(variant, {blank, blank});
       EXPECT_TRUE(map.too_few_support_points);
-      EXPECT_EQ(map.support_points, 0);
+      EXPECT_EQ(map.counts.support_points, 0);
       EXPECT_EQ(map.density(), 0);
     }
   }

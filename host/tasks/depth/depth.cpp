@@ -14,6 +14,7 @@
 #include "host/tasks/depth/geometry.h"
 #include "host/tasks/depth/kernels.h"
 #include "host/tasks/depth/planes.h"
+#include "host/tasks/depth/shapes.h"
 #include "host/tasks/depth/synthetic.h"
 
 namespace partita::depth {
@@ -93,10 +94,17 @@ struct View {
   cl::Buffer map;
   cl::Buffer disparities;
   Mesh mesh;
+  ViewCounts totals;
   std::vector<std::uint16_t> host_counts;
 };
 
 }  // namespace
+
+DepthParameters default_parameters(int width) {
+  DepthParameters parameters;
+  parameters.max_disparity = std::min(parameters.max_disparity, width - 1);
+  return parameters;
+}
 
 double DisparityMap::density() const {
   if (values.empty()) return 0;
@@ -114,6 +122,7 @@ struct Depth::Impl {
   void list_support();
   void seen_disparities(View& view, bool is_right);
   bool triangulate(View& view, bool is_right);
+  FrameCounts counts() const;
   void match(View& view, const View& other, bool is_right);
 
   const Session* session;
@@ -190,7 +199,7 @@ Depth::Impl::Impl(const Session& s, Size picture, const DepthParameters& p)
 }
 
 void Depth::Impl::describe(View& view, const sensing::GrayImage& image) {
-  const Shape shape{{"width", size.width}, {"height", size.height}};
+  const Shape shape = picture_shape(size);
   session->write(view.picture, bytes_of(image.pixels));
   sobel.launch(shape, view.picture, du, dv, size.width, size.height);
   descriptor.launch(shape, du, dv, view.descriptors, size.width, size.height);
@@ -199,35 +208,22 @@ void Depth::Impl::describe(View& view, const sensing::GrayImage& image) {
 void Depth::Impl::find_support() {
   const DepthParameters& p = parameters;
   const int percent = static_cast<int>(std::lround(100 * p.support_threshold));
-  support_match.launch({{"width", size.width},
-                        {"height", size.height},
-                        {"max_disparity", p.max_disparity},
-                        {"step", p.candidate_step}},
-                       left_view.descriptors, right_view.descriptors, grid_matched, size.width,
-                       size.height, p.candidate_step, p.max_disparity, p.support_texture, percent,
-                       p.lr_threshold);
-  support_plausible.launch(
-      {{"columns", grid.width}, {"rows", grid.height}, {"window", p.incon_window}}, grid_matched,
-      grid_plausible, grid.width, grid.height, p.incon_window, p.incon_threshold,
-      p.incon_min_support);
+  support_match.launch(support_match_shape(size, p), left_view.descriptors, right_view.descriptors,
+                       grid_matched, size.width, size.height, p.candidate_step, p.max_disparity,
+                       p.support_texture, percent, p.lr_threshold);
+  support_plausible.launch(plausible_shape(grid, p), grid_matched, grid_plausible, grid.width,
+                           grid.height, p.incon_window, p.incon_threshold, p.incon_min_support);
   on_queue(*session, "copying the support grid", [&](const cl::CommandQueue& queue) {
     queue.enqueueCopyBuffer(grid_plausible, grid_thinned, 0, 0, area(grid) * sizeof(std::int16_t));
   });
   for (const int vertical : {1, 0}) {
-    support_redundant.launch({{"columns", grid.width},
-                              {"rows", grid.height},
-                              {"vertical", vertical},
-                              {"reach", p.redun_max_distance}},
-                             grid_thinned, grid.width, grid.height, vertical, p.redun_max_distance,
-                             p.redun_threshold);
+    support_redundant.launch(redundant_shape(grid, p, vertical), grid_thinned, grid.width,
+                             grid.height, vertical, p.redun_max_distance, p.redun_threshold);
   }
 }
 
 void Depth::Impl::list_support() {
-  // How many points there are is not known yet: the Work states one in eight, which is typical.
-  const std::int64_t typical = static_cast<std::int64_t>(area(grid)) / 8;
-  support_list.launch({{"columns", grid.width}, {"rows", grid.height}, {"points", typical}},
-                      grid_thinned, list, count, grid.width, grid.height,
+  support_list.launch(support_list_shape(grid), grid_thinned, list, count, grid.width, grid.height,
                       parameters.candidate_step);
   std::uint32_t points = 0;
   session->read(count, std::as_writable_bytes(std::span(&points, 1)));
@@ -236,42 +232,35 @@ void Depth::Impl::list_support() {
 }
 
 void Depth::Impl::seen_disparities(View& view, bool is_right) {
-  // Likewise: four disparities a cell.
-  const std::int64_t typical = 4 * static_cast<std::int64_t>(area(cells));
-  grid_prior.launch({{"width", size.width},
-                     {"height", size.height},
-                     {"step", parameters.candidate_step},
-                     {"max_disparity", parameters.max_disparity},
-                     {"right", is_right},
-                     {"listed", typical}},
-                    grid_plausible, view.counts, view.lists, cells.width, cells.height, grid.width,
-                    grid.height, parameters.candidate_step, parameters.max_disparity,
+  grid_prior.launch(grid_prior_shape(size, parameters, is_right), grid_plausible, view.counts,
+                    view.lists, cells.width, cells.height, grid.width, grid.height,
+                    parameters.candidate_step, parameters.max_disparity,
                     static_cast<int>(is_right));
 }
 
 /// Makes the view's mesh and sends it up; false if there is none.
 bool Depth::Impl::triangulate(View& view, bool is_right) {
   view.mesh = make_mesh(support, is_right);
-  declare_host_step(
-      *session, triangulation_spec(),
-      {{"points", static_cast<std::int64_t>(support.size())}, {"triangles", view.mesh.triangles}});
+  view.totals = {.triangles = view.mesh.triangles,
+                 .spans = view.mesh.spans,
+                 .covered = view.mesh.covered,
+                 .overlaps = view.mesh.overlaps};
+  declare_host_step(*session, triangulation_spec(), triangulation_shape(counts(), view.totals));
   if (view.mesh.triangles == 0) return false;
   session->write(view.corners, bytes_of(view.mesh.corners));
   session->write(view.planes, bytes_of(view.mesh.planes));
   return true;
 }
 
+FrameCounts Depth::Impl::counts() const {
+  return {static_cast<std::int64_t>(support.size()), {left_view.totals, right_view.totals}};
+}
+
 void Depth::Impl::match(View& view, const View& other, bool is_right) {
-  const Mesh& mesh = view.mesh;
-  plane_prior.launch({{"width", size.width},
-                      {"height", size.height},
-                      {"triangles", mesh.triangles},
-                      {"spans", mesh.spans},
-                      {"covered", mesh.covered},
-                      {"overlaps", mesh.overlaps}},
-                     view.corners, view.planes, view.map, size.width, size.height, mesh.triangles);
+  plane_prior.launch(plane_prior_shape(size, view.totals), view.corners, view.planes, view.map,
+                     size.width, size.height, view.mesh.triangles);
   // The lists' lengths say what the matching costs; they have been ready since before the meshes.
-  std::int64_t entries = 0;
+  std::int64_t& entries = view.totals.entries;
   for (int cy = 0; cy < cells.height; ++cy) {
     for (int cx = 0; cx < cells.width; ++cx) {
       const std::int64_t n = view.host_counts[static_cast<std::size_t>(cy * cells.width + cx)];
@@ -280,14 +269,9 @@ void Depth::Impl::match(View& view, const View& other, bool is_right) {
     }
   }
   const int last = parameters.max_disparity;
-  dense_match.launch({{"width", size.width},
-                      {"height", size.height},
-                      {"max_disparity", last},
-                      {"right", is_right},
-                      {"entries", entries},
-                      {"planes", mesh.covered}},
-                     view.descriptors, other.descriptors, view.map, view.counts, view.lists, prior,
-                     view.disparities, size.width, size.height, last, static_cast<int>(is_right),
+  dense_match.launch(dense_match_shape(size, parameters, view.totals, is_right), view.descriptors,
+                     other.descriptors, view.map, view.counts, view.lists, prior, view.disparities,
+                     size.width, size.height, last, static_cast<int>(is_right),
                      parameters.match_texture);
 }
 
@@ -306,7 +290,6 @@ DisparityMap Depth::Impl::process(const sensing::GrayImage& left, const sensing:
   list_support();
 
   DisparityMap map{size.width, size.height, std::vector<std::uint16_t>(area(size))};
-  map.support_points = static_cast<int>(support.size());
   // The device finds out which disparities occur where while the host triangulates.
   for (View* view : {&left_view, &right_view}) {
     seen_disparities(*view, view == &right_view);
@@ -317,17 +300,19 @@ DisparityMap Depth::Impl::process(const sensing::GrayImage& left, const sensing:
       queue.flush();
     });
   }
+  left_view.totals = right_view.totals = {};
   const bool meshed = triangulate(left_view, false) && triangulate(right_view, true);
   session->finish();
   if (!meshed) {
     map.too_few_support_points = true;
+    map.counts = counts();
     return map;
   }
-  map.triangles = left_view.mesh.triangles;
   match(left_view, right_view, false);
   match(right_view, left_view, true);
-  consistency.launch({{"width", size.width}, {"height", size.height}}, left_view.disparities,
-                     right_view.disparities, out, size.width, size.height, parameters.lr_threshold);
+  map.counts = counts();
+  consistency.launch(picture_shape(size), left_view.disparities, right_view.disparities, out,
+                     size.width, size.height, parameters.lr_threshold);
   session->read(out, std::as_writable_bytes(std::span(map.values)));
   return map;
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/runtime/session.h"
+#include "host/tasks/depth/counts.h"
 #include "host/tasks/sensing/frame.h"
 
 namespace partita::depth {
@@ -36,6 +37,9 @@ struct DepthParameters {
   int match_texture = 1;    ///< least Σ|descriptor - 128| of a pixel to be matched; 0..2048
 };
 
+/// The defaults, with no more disparities than pictures of that width can have.
+DepthParameters default_parameters(int width);
+
 /// Disparities of the left image in unsigned fixed point with 8 fractional bits, as KITTI's 16-bit
 /// PNGs store them: value / 256 is the disparity in pixels, 0 means "none". A disparity of zero (a
 /// point at infinity) is stored as 1, which is 1/256 px, and so stays apart from "none".
@@ -47,8 +51,7 @@ struct DisparityMap {
   /// Too few support points (fewer than three, or all on one line): nothing could be triangulated
   /// and the map is empty. Black, blank or foreign pictures end here.
   bool too_few_support_points = false;
-  int support_points = 0;
-  int triangles = 0;  ///< of the left view
+  FrameCounts counts;  ///< what its cost followed from
 
   std::uint16_t at(int x, int y) const {
     return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +

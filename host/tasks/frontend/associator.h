@@ -7,6 +7,7 @@
 
 #include "host/runtime/kernel.h"
 #include "host/tasks/frontend/extractor.h"
+#include "host/tasks/frontend/shapes.h"
 
 namespace partita::frontend {
 
@@ -17,17 +18,18 @@ class Associator {
 
   /// For every left feature its place in the right image. Both directions have to agree.
   std::vector<RefinedMatch> stereo(const DeviceFeatures& left, const DeviceFeatures& right);
-  /// For every feature of `from` its place in `to`, searched within +-window pixels of its own plus
-  /// its shift; of several that match one, the nearest descriptor counts.
+  /// For every feature of `from` its place in `to`, searched within the (wide) search window
+  /// around its own plus its shift; of several that match one, the nearest descriptor counts.
+  /// `searched` of the shifts are predictions.
   std::vector<RefinedMatch> temporal(const DeviceFeatures& from, const DeviceFeatures& to,
-                                     const std::vector<Shift>& shifts, int window);
+                                     const std::vector<Shift>& shifts, int searched, bool wide);
 
  private:
   void match(const DeviceFeatures& queries, const DeviceFeatures& trains, const cl::Buffer& shifts,
              const Window& window, int max_hamming, int ratio_q8, const cl::Buffer& matches,
              int searched);
-  std::vector<RefinedMatch> refine(const DeviceFeatures& a, const DeviceFeatures& b, int range_x,
-                                   int range_y, bool same_row);
+  std::vector<RefinedMatch> refine(const DeviceFeatures& a, const DeviceFeatures& b,
+                                   const SadRange& range, bool same_row);
 
   const runtime::Session& session_;
   const Extractor& extractor_;

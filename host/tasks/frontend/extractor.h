@@ -34,18 +34,14 @@ class Extractor {
   /// Enqueues orientation and descriptors.
   void describe(DeviceFeatures& features);
 
-  Size size() const { return size_; }
-  const Grid& grid(int level) const { return grids_[static_cast<std::size_t>(level)]; }
-  int cells() const { return grids_[0].cells() + grids_[1].cells(); }
-  /// Features that the grid can hold.
-  int capacity() const { return cells() * kPerCell; }
+  Size size() const { return grids_.size; }
+  const Grids& grids() const { return grids_; }
 
  private:
   void detect_level(const cl::Buffer& image, int level);
 
   const runtime::Session& session_;
-  Size size_;
-  std::array<Grid, kLevels> grids_;
+  Grids grids_;
   int threshold_high_;
   int threshold_low_;
   runtime::Kernel pyramid_down_;

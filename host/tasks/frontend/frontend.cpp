@@ -15,6 +15,7 @@
 #include "host/tasks/frontend/extractor.h"
 #include "host/tasks/frontend/kernels.h"
 #include "host/tasks/frontend/motion.h"
+#include "host/tasks/frontend/shapes.h"
 
 namespace partita::frontend {
 namespace {
@@ -35,6 +36,7 @@ struct TrackResult {
   std::vector<RefinedMatch> matches;  ///< per feature of the reference
   std::vector<std::size_t> queries;   ///< features behind the observations
   MotionEstimate motion;
+  SearchCounts counts;
 };
 
 Size checked_size(const StereoCalibration& calibration) {
@@ -85,7 +87,7 @@ class Frontend::Impl {
   void place_points(const std::vector<RefinedMatch>& stereo, Reference& current,
                     FrontendResult& result) const;
   std::vector<Shift> predict(const Pose& T_current_reference) const;
-  TrackResult track(const Pose& predicted, int window);
+  TrackResult track(const Pose& predicted, bool wide);
   void localize(FrontendResult& result);
   void accept(const TrackResult& tracked, FrontendResult& result) const;
 
@@ -164,13 +166,18 @@ std::vector<Shift> Frontend::Impl::predict(const Pose& T_current_reference) cons
                  static_cast<std::int32_t>(std::lround(y * 256)) - keypoint.y_q8};
   }
   runtime::declare_host_step(session_, predict_spec(),
-                             {{"keypoints", static_cast<std::int64_t>(shifts.size())}});
+                             predict_shape(static_cast<int>(shifts.size())));
   return shifts;
 }
 
-TrackResult Frontend::Impl::track(const Pose& predicted, int window) {
+TrackResult Frontend::Impl::track(const Pose& predicted, bool wide) {
   TrackResult result;
-  result.matches = associator_.temporal(reference_.features, left_, predict(predicted), window);
+  const std::vector<Shift> shifts = predict(predicted);
+  const auto searched = std::count_if(
+      shifts.begin(), shifts.end(), [](const Shift& shift) { return shift.x_q8 != kNoPrediction; });
+  result.counts = {.wide = wide, .searched = static_cast<int>(searched)};
+  result.matches =
+      associator_.temporal(reference_.features, left_, shifts, result.counts.searched, wide);
   std::vector<Observation> observations;
   for (std::size_t i = 0; i < result.matches.size(); ++i) {
     const RefinedMatch& match = result.matches[i];
@@ -180,11 +187,11 @@ TrackResult Frontend::Impl::track(const Pose& predicted, int window) {
     result.queries.push_back(i);
   }
   result.motion = estimate_motion(observations, calibration_, predicted, parameters_);
-  runtime::declare_host_step(session_, motion_spec(),
-                             {{"matches", static_cast<std::int64_t>(observations.size())},
-                              {"hypotheses", result.motion.hypotheses},
-                              {"inliers", result.motion.inlier_count},
-                              {"iterations", result.motion.iterations}});
+  result.counts.matches = static_cast<int>(observations.size());
+  result.counts.hypotheses = result.motion.hypotheses;
+  result.counts.inliers = result.motion.inlier_count;
+  result.counts.iterations = result.motion.iterations;
+  runtime::declare_host_step(session_, motion_spec(), motion_shape(result.counts));
   return result;
 }
 
@@ -204,11 +211,13 @@ void Frontend::Impl::localize(FrontendResult& result) {
   const Pose predicted = has_velocity_ ? scaled_motion(velocity_, gap) : Pose::Identity();
   result.reference = reference_.frame;
   result.widened = !has_velocity_ || gap > 1;
-  TrackResult tracked =
-      track(predicted, result.widened ? parameters_.wide_search_window : parameters_.search_window);
+  TrackResult tracked = track(predicted, result.widened);
+  result.counts.reference = static_cast<int>(reference_.points.size());
+  result.counts.searches = {tracked.counts};
   if (tracked.motion.inlier_count < parameters_.min_inliers && !result.widened) {
     result.widened = true;
-    tracked = track(predicted, parameters_.wide_search_window);
+    tracked = track(predicted, true);
+    result.counts.searches.push_back(tracked.counts);
   }
   accept(tracked, result);
   result.tracked = result.inliers >= parameters_.min_inliers;
@@ -236,6 +245,8 @@ FrontendResult Frontend::Impl::step(const GrayImage& left, const GrayImage& righ
   result.frame = frame;
   result.keypoints_left = left_.features;
   result.keypoints_right = right_.features;
+  result.counts.keypoints_left = left_.features;
+  result.counts.keypoints_right = right_.features;
   Reference current;
   place_points(associator_.stereo(left_, right_), current, result);
   result.first = !has_reference_;

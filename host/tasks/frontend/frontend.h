@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/runtime/session.h"
+#include "host/tasks/frontend/counts.h"
 #include "host/tasks/sensing/frame.h"
 
 namespace partita::frontend {
@@ -78,6 +79,7 @@ struct FrontendResult {
   int stereo_matches = 0;
   int temporal_matches = 0;
   int inliers = 0;
+  FrameCounts counts;             ///< what its cost followed from
   std::vector<Feature> features;  ///< all keypoints of the left image
 };
 

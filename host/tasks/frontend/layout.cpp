@@ -20,6 +20,14 @@ Grid finest_grid(Size level, int quota) {
   }
 }
 
+Grids make_grids(Size image, int max_features) {
+  // Level 1 has (5/6)^2 of level 0's area, and the same share of the features: 36/61 and 25/61.
+  const int first = max_features * 36 / 61;
+  return {image,
+          {finest_grid(level_size(image, 0), first),
+           finest_grid(level_size(image, 1), max_features - first)}};
+}
+
 int to_original_q8(int value, int level) {
   return level == 0 ? value * 256 : (value * 78643 + 6682) >> 8;
 }

@@ -2,6 +2,7 @@
 #ifndef PARTITA_HOST_TASKS_FRONTEND_LAYOUT_H
 #define PARTITA_HOST_TASKS_FRONTEND_LAYOUT_H
 
+#include <array>
 #include <cstdint>
 #include <type_traits>
 
@@ -39,6 +40,18 @@ struct Grid {
 Grid make_grid(Size level, int cell);
 /// The grid with the smallest even cell whose features cannot exceed `quota` (at least kPerCell).
 Grid finest_grid(Size level, int quota);
+
+/// Both levels' grids, laid so that they hold at most `max_features` features.
+struct Grids {
+  Size size;  ///< of the image
+  std::array<Grid, kLevels> level;
+
+  const Grid& at(int index) const { return level[static_cast<std::size_t>(index)]; }
+  int cells() const { return level[0].cells() + level[1].cells(); }
+  /// Features that they can hold.
+  int capacity() const { return cells() * kPerCell; }
+};
+Grids make_grids(Size image, int max_features);
 
 /// A keypoint as the device has it (int4).
 struct Keypoint {

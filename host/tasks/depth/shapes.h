@@ -1,0 +1,69 @@
+// The shapes of the depth task's launches: what it launches with, and what its program states.
+#ifndef PARTITA_HOST_TASKS_DEPTH_SHAPES_H
+#define PARTITA_HOST_TASKS_DEPTH_SHAPES_H
+
+#include "host/runtime/shape.h"
+#include "host/tasks/depth/counts.h"
+#include "host/tasks/depth/depth.h"
+#include "host/tasks/depth/geometry.h"
+
+namespace partita::depth {
+
+inline runtime::Shape picture_shape(Size size) {
+  return {{"width", size.width}, {"height", size.height}};
+}
+
+inline runtime::Shape support_match_shape(Size size, const DepthParameters& p) {
+  return picture_shape(size).with("max_disparity", p.max_disparity).with("step", p.candidate_step);
+}
+
+inline runtime::Shape grid_lines_shape(Size grid) {
+  return {{"columns", grid.width}, {"rows", grid.height}};
+}
+
+inline runtime::Shape plausible_shape(Size grid, const DepthParameters& p) {
+  return grid_lines_shape(grid).with("window", p.incon_window);
+}
+
+inline runtime::Shape redundant_shape(Size grid, const DepthParameters& p, int vertical) {
+  return grid_lines_shape(grid).with("vertical", vertical).with("reach", p.redun_max_distance);
+}
+
+/// How many points there are is not known when it is launched: one in eight, which is typical.
+inline runtime::Shape support_list_shape(Size grid) {
+  return grid_lines_shape(grid).with("points", static_cast<std::int64_t>(area(grid)) / 8);
+}
+
+/// Likewise four disparities a cell.
+inline runtime::Shape grid_prior_shape(Size size, const DepthParameters& p, bool right) {
+  return picture_shape(size)
+      .with("step", p.candidate_step)
+      .with("max_disparity", p.max_disparity)
+      .with("right", right)
+      .with("listed", 4 * static_cast<std::int64_t>(area(cell_size(size))));
+}
+
+inline runtime::Shape triangulation_shape(const FrameCounts& frame, const ViewCounts& view) {
+  return {{"points", frame.support_points}, {"triangles", view.triangles}};
+}
+
+inline runtime::Shape plane_prior_shape(Size size, const ViewCounts& view) {
+  return picture_shape(size)
+      .with("triangles", view.triangles)
+      .with("spans", view.spans)
+      .with("covered", view.covered)
+      .with("overlaps", view.overlaps);
+}
+
+inline runtime::Shape dense_match_shape(Size size, const DepthParameters& p, const ViewCounts& view,
+                                        bool right) {
+  return picture_shape(size)
+      .with("max_disparity", p.max_disparity)
+      .with("right", right)
+      .with("entries", view.entries)
+      .with("planes", view.covered);
+}
+
+}  // namespace partita::depth
+
+#endif  // PARTITA_HOST_TASKS_DEPTH_SHAPES_H
