@@ -48,8 +48,9 @@ class RunTest : public ::testing::Test {
     return bytes_of(temp_.file(out + "/" + file));
   }
   void expect_same_results(const std::string& a, const std::string& b) const {
-    for (const char* file : {"trajectory.txt", "trajectory.tum", "disparity/000000.png",
-                             "disparity/000001.png", "disparity/000002.png"}) {
+    for (const char* file :
+         {"trajectory.txt", "trajectory.tum", "work.json", "disparity/000000.png",
+          "disparity/000001.png", "disparity/000002.png"}) {
       EXPECT_EQ(bytes(a, file), bytes(b, file)) << file << " of " << a << " and " << b;
     }
   }
@@ -58,8 +59,9 @@ class RunTest : public ::testing::Test {
 
 TEST_F(RunTest, WritesEverythingOnceAndWhole) {
   const json summary = run("out");
-  for (const char* file : {"summary.json", "trajectory.txt", "trajectory.tum", "trace.json",
-                           "overview.png", "disparity/000000.png", "disparity/000002.png"}) {
+  for (const char* file :
+       {"summary.json", "work.json", "trajectory.txt", "trajectory.tum", "trace.json",
+        "overview.png", "disparity/000000.png", "disparity/000002.png"}) {
     EXPECT_TRUE(fs::exists(temp_.file(std::string("out/") + file))) << file;
   }
   EXPECT_FALSE(fs::exists(temp_.file("out/PARTIAL")));
