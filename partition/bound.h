@@ -1,0 +1,68 @@
+// Bounds that no placement can beat, from what each task takes at the very least
+// (Evaluator::least). With every task placed they bound that placement; with some of them open,
+// every way to place those.
+//
+//   latency     the larger of the critical path (least durations over the graph, to the outputs)
+//   and
+//               of the work of one frame that has to share an engine. Where an engine cannot keep
+//               up with the cameras and no frame is dropped, frame k waits for the work of k
+//               frames.
+//   throughput  the cameras' rate; the slowest task, which does one frame after the other; the
+//               engine with most work a frame
+//   energy      the least power of all while a frame's period lasts, plus what each task adds
+//   price       the parts in use
+#ifndef PARTITA_PARTITION_BOUND_H
+#define PARTITA_PARTITION_BOUND_H
+
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "partition/objective.h"
+#include "partition/pins.h"
+
+namespace partita::partition {
+
+/// A task without a place yet.
+inline constexpr std::uint32_t kOpen = std::numeric_limits<std::uint32_t>::max();
+
+struct Bounds {
+  double path_ns = 0;  ///< critical path
+  double load_ns = 0;  ///< most work of a frame on one engine, before the last output
+  double p50_ns = 0;   ///< of the latency; >= path_ns and load_ns
+  double p99_ns = 0;
+  double frame_ns = 0;  ///< per finished frame in the long run: 1e9 / throughput
+  double energy_j = 0;  ///< per frame
+  double price_usd = 0;
+  /// The objective's bound as a cost().
+  double cost(Objective objective) const;
+};
+
+/// Computes bounds of partial placements; built once per search. `evaluator` must outlive it.
+class Bounder {
+ public:
+  Bounder(const Evaluator& evaluator, const Choices& choices);
+
+  /// `placement` may hold kOpen.
+  Bounds operator()(const TaskPlacement& placement) const;
+  /// Of the whole space.
+  Bounds root() const;
+
+ private:
+  struct Task;
+  double path(const TaskPlacement& placement) const;
+  void add_loads(const TaskPlacement& placement, Bounds& bounds) const;
+  double price(const TaskPlacement& placement) const;
+
+  const Evaluator& evaluator_;
+  std::vector<Task> tasks_;
+  std::size_t finished_ = 1;  ///< frames that all outputs do
+  double period_ns_ = 0;      ///< between those
+  std::uint32_t stride_ = 1;  ///< every how many-th frame all outputs run on
+  bool drops_ = false;
+};
+
+}  // namespace partita::partition
+
+#endif  // PARTITA_PARTITION_BOUND_H

@@ -1,0 +1,50 @@
+// Objective and Score: the figures that placements are compared by.
+#ifndef PARTITA_PARTITION_OBJECTIVE_H
+#define PARTITA_PARTITION_OBJECTIVE_H
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace partita::partition {
+
+enum class Objective : std::uint8_t {
+  latency,     ///< p99 of the end-to-end latency, ns: least
+  energy,      ///< per frame, J: least
+  throughput,  ///< finished frames per second, Hz: most
+  cost,        ///< of the parts used, USD: least
+};
+inline constexpr std::array kObjectives{Objective::latency, Objective::energy,
+                                        Objective::throughput, Objective::cost};
+std::string_view to_string(Objective objective);
+/// Throws profile::Error that lists what there is.
+Objective parse_objective(std::string_view text);
+
+/// All predicted, but for the price.
+struct Score {
+  double p50_ns = 0, p99_ns = 0;  ///< end-to-end latency
+  double energy_j = 0;            ///< per frame
+  /// In the long run: a finite run may seem faster than its steady state, where its first frame is
+  /// late and its last one is not; what the loads of the engines do not allow is cut off.
+  double throughput_hz = 0;
+  double area = 0;  ///< share of the scarcest resource of the fullest FPGA, 0..1; 0: no FPGA used
+  double price_usd = 0;
+  double power_w = 0;  ///< mean
+  bool operator==(const Score&) const = default;
+};
+
+/// The objective's figure, in its own unit: ns, J, Hz, USD.
+double value(Objective objective, const Score& score);
+/// The same as something that less of is better: Hz become seconds per frame.
+double cost(Objective objective, const Score& score);
+/// Turns a cost() into a value() and the other way round.
+double convert(Objective objective, double cost);
+
+/// Whether `a` ranks before `b`: by the objective, then, where that is exactly equal, by latency
+/// p99, energy, price, p50. Neither ranks first if all are equal: the caller keeps placement order.
+bool ranks_before(Objective objective, const Score& a, const Score& b);
+
+}  // namespace partita::partition
+
+#endif  // PARTITA_PARTITION_OBJECTIVE_H

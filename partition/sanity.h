@@ -1,0 +1,21 @@
+// The sanity gate of the partitioner: figures that nothing physical can have are refused.
+#ifndef PARTITA_PARTITION_SANITY_H
+#define PARTITA_PARTITION_SANITY_H
+
+#include "partition/bound.h"
+
+namespace partita::partition {
+
+/// Throws profile::Error, one line that names machine, placement and figure: not finite, not above
+/// zero, percentiles out of order, a utilisation above 1, more power than all parts draw together,
+/// faster than the placement's bounds.
+void check_plausible(const Evaluator& evaluator, const TaskPlacement& placement,
+                     const Figures& figures, const Bounds& bounds);
+
+/// The figures as a Score; checks them first.
+Score score_of(const Evaluator& evaluator, const TaskPlacement& placement, const Figures& figures,
+               const Bounds& bounds);
+
+}  // namespace partita::partition
+
+#endif  // PARTITA_PARTITION_SANITY_H
