@@ -25,18 +25,21 @@ Objective parse_objective(std::string_view text);
 struct Score {
   double p50_ns = 0, p99_ns = 0;  ///< end-to-end latency
   double energy_j = 0;            ///< per frame
-  /// In the long run: a finite run may seem faster than its steady state, where its first frame is
-  /// late and its last one is not; what the loads of the engines do not allow is cut off.
-  double throughput_hz = 0;
+  /// Between two finished frames in the long run, 1e9 / throughput. A finite run may seem faster
+  /// than its steady state, where its first frame is late and its last one is not: what the cameras
+  /// and the loads of the engines do not allow is cut off.
+  double frame_ns = 0;
   double area = 0;  ///< share of the scarcest resource of the fullest FPGA, 0..1; 0: no FPGA used
   double price_usd = 0;
   double power_w = 0;  ///< mean
+
+  double throughput_hz() const { return 1e9 / frame_ns; }
   bool operator==(const Score&) const = default;
 };
 
 /// The objective's figure, in its own unit: ns, J, Hz, USD.
 double value(Objective objective, const Score& score);
-/// The same as something that less of is better: Hz become seconds per frame.
+/// The same as something that less of is better: of throughput, ns per frame.
 double cost(Objective objective, const Score& score);
 /// Turns a cost() into a value() and the other way round.
 double convert(Objective objective, double cost);

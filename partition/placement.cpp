@@ -4,15 +4,10 @@
 #include <bitset>
 
 #include "devices/profile/error.h"
+#include "partition/text.h"
 
 namespace partita::partition {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
 
 Branch parse_branch(std::string_view name) {
   for (const Branch branch : kBranches) {

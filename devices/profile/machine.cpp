@@ -89,7 +89,7 @@ class MachineLoader {
     for (const auto& name : links.keys()) {
       if (!plain_name(name)) links.fail(name, "not a name, expected letters, digits, '-' and '_'");
       const Reader link = links.section(name);
-      link.allow({"from", "to", "bandwidth", "latency", "transfer"});
+      link.allow({"from", "to", "bandwidth", "latency", "transfer", "uncertainty"});
       NetworkLink to;
       to.name = name;
       to.a = node_at(link, "from");
@@ -98,6 +98,7 @@ class MachineLoader {
       to.bandwidth = link.number("bandwidth", {"B/s", 1e3, 1e13});
       to.latency_ns = link.integer("latency", {"ns", 0, 1e10});
       to.transfer_j_per_byte = link.number("transfer", {"J/B", 1e-13, 1e-3});
+      to.uncertainty = read_uncertainty(link);
       machine_.links.push_back(to);
     }
   }

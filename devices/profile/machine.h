@@ -33,6 +33,7 @@ struct NetworkLink {
   double bandwidth = 0;  ///< B/s per direction, payload
   std::uint64_t latency_ns = 0;
   double transfer_j_per_byte = 0;
+  std::optional<double> uncertainty;  ///< as a device's
 };
 
 struct Machine {

@@ -47,15 +47,16 @@ DeviceProfile parse_device(const std::string& text, const std::string& path) try
   device.content_hash = hash_bytes(text);
   const Reader reader = Reader::parse(text, path, &device.numbers);
   std::vector<std::string_view> keys{"name",        "vendor", "type",  "price", "opencl",
-                                     "performance", "host",   "power", "link"};
+                                     "performance", "host",   "power", "link",  "uncertainty"};
   reader.allow({"name", "vendor", "type", "price", "opencl", "performance", "host", "power", "link",
-                "fabric"});
+                "fabric", "uncertainty"});
   device.name = reader.text("name");
   device.vendor = reader.text("vendor");
   device.type = static_cast<DeviceType>(reader.choice("type", {"cpu", "gpu", "fpga"}));
   if (device.type == DeviceType::fpga) keys.push_back("fabric");
   reader.allow(keys);
   device.price_usd = reader.number("price", {"USD", 0, 1e7});
+  device.uncertainty = read_uncertainty(reader);
   read_opencl(reader.section("opencl"), device.opencl);
   read_performance(reader.section("performance"), device.type, device.performance);
   read_host(reader.section("host"), device.host);

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -142,12 +143,21 @@ struct DeviceProfile {
   HostCosts host;
   HostLink link;  ///< bandwidth 0 for a CPU that is only a host
   Power power;
-  Fabric fabric;                    ///< all zero unless type is fpga
-  double price_usd = 0;             ///< 0: paid with the host CPU, on the same board or module
+  Fabric fabric;         ///< all zero unless type is fpga
+  double price_usd = 0;  ///< 0: paid with the host CPU, on the same board or module
+  /// Relative: a time predicted as t may be t (1 - u) to t (1 + u) on the real device.
+  std::optional<double> uncertainty;
   std::vector<Provenance> numbers;  ///< every number of the file
   std::string path;
   std::string content_hash;  ///< FNV-1a 64 of the file's bytes, 16 hex digits
 };
+
+/// Where nothing states how far predictions may be off: more than the 10 % that analytic models of
+/// well-known devices are published with, since most of our devices' constants are not measured.
+inline constexpr double kDefaultUncertainty = 0.25;
+inline double uncertainty(const DeviceProfile& profile) {
+  return profile.uncertainty.value_or(kDefaultUncertainty);
+}
 
 /// Reads one profile strictly: unknown or missing keys, wrong types or units, numbers out of range
 /// or without source and date throw Error ("<file>:<line>: <key>: …, expected … in [a, b]").

@@ -106,6 +106,11 @@ void read_occupancy(const Reader& reader, Performance& to) {
 
 }  // namespace
 
+std::optional<double> read_uncertainty(const Reader& reader) {
+  if (!reader.has("uncertainty")) return std::nullopt;
+  return reader.number("uncertainty", {"", 0, 0.95});
+}
+
 void read_opencl(const Reader& reader, OpenclIdentity& to) {
   read_fields<Id>(
       reader, kOpenclFields, to,

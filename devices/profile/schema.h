@@ -50,6 +50,8 @@ void read_fields(const Reader& reader, std::span<const Field<T>> fields, T& to,
   }
 }
 
+/// The optional key `uncertainty` of a device or a link.
+std::optional<double> read_uncertainty(const Reader& reader);
 void read_opencl(const Reader& reader, OpenclIdentity& to);
 void read_performance(const Reader& reader, DeviceType type, Performance& to);
 void read_host(const Reader& reader, HostCosts& to);

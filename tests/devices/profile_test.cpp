@@ -243,6 +243,28 @@ TEST(Profiles, TheLineIsTheKeysOwn) {
   EXPECT_THAT(error_of(bad), HasSubstr("some/file.yaml:" + std::to_string(line) + ": "));
 }
 
+TEST(Profiles, UncertaintyIsOptionalAndHasASource) {
+  const auto with = [](const std::string& line) {
+    const std::string text = file_text("gtx1060");
+    // Whatever the shipped profile says of it.
+    const auto old = text.find("\nuncertainty:");
+    const std::string rest = old == std::string::npos
+                                 ? text
+                                 : text.substr(0, old) + text.substr(text.find('\n', old + 1));
+    return edited(rest, "\npower:", "\n" + line + "\npower:");
+  };
+  const DeviceProfile none = parse_device(with(""), "some/file.yaml");
+  EXPECT_FALSE(none.uncertainty.has_value());
+  EXPECT_EQ(uncertainty(none), kDefaultUncertainty);
+  const DeviceProfile stated = parse_device(
+      with("uncertainty: {value: 0.1, source: \"measured on one card\"}"), "some/file.yaml");
+  EXPECT_EQ(uncertainty(stated), 0.1);
+  EXPECT_EQ(stated.numbers.size(), none.numbers.size() + 1);
+  EXPECT_THAT(error_of(with("uncertainty: {value: 1.5, source: \"none at all\"}")),
+              HasSubstr("uncertainty: 1.5, expected"));
+  EXPECT_THAT(error_of(with("uncertainty: 0.1")), HasSubstr("no source"));
+}
+
 struct MachineFiles : ::testing::Test {
   void SetUp() override {
     folder = fs::path(::testing::TempDir()) / "partita_machines";
@@ -278,6 +300,10 @@ TEST_F(MachineFiles, BadMachinesAreRefused) {
   EXPECT_THAT(error("to: pc", "to: zynq"), HasSubstr("links.ethernet.to"));
   EXPECT_THAT(error("main_node: pc", "main_node: px"), HasSubstr("main_node: is 'px'"));
   EXPECT_THAT(error("117.5e6", "-1"), HasSubstr("links.ethernet.bandwidth: -1"));
+  EXPECT_EQ(error("    to: pc", "    to: pc\n    uncertainty: {value: 0.1, source: \"a guess\"}"),
+            "");
+  EXPECT_THAT(error("    to: pc", "    to: pc\n    uncertainty: {value: -1, source: \"a guess\"}"),
+              HasSubstr("links.ethernet.uncertainty: -1"));
   EXPECT_THAT(error("  ethernet:", "  ethernet: &e\n    <<: 3"), HasSubstr("m.yaml:"));
   EXPECT_THAT(error("  pc:", "  ../pc:"), HasSubstr("not a name"));
 }
