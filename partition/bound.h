@@ -35,14 +35,19 @@ struct Bounds {
   double frame_ns = 0;  ///< per finished frame in the long run: 1e9 / throughput
   double energy_j = 0;  ///< per frame
   double price_usd = 0;
+  std::size_t finished = 0;  ///< frames that all outputs do, if none is dropped
   /// The objective's bound as a cost().
   double cost(Objective objective) const;
+  /// As far as there are bounds; the rest is 0.
+  Score score() const;
 };
 
 /// Computes bounds of partial placements; built once per search. `evaluator` must outlive it.
 class Bounder {
  public:
   Bounder(const Evaluator& evaluator, const Choices& choices);
+  ~Bounder();
+  Bounder(const Bounder&) = delete;
 
   /// `placement` may hold kOpen.
   Bounds operator()(const TaskPlacement& placement) const;
@@ -51,16 +56,17 @@ class Bounder {
 
  private:
   struct Task;
+  void find_required();
   double path(const TaskPlacement& placement) const;
   void add_loads(const TaskPlacement& placement, Bounds& bounds) const;
   double price(const TaskPlacement& placement) const;
 
   const Evaluator& evaluator_;
   std::vector<Task> tasks_;
-  std::size_t finished_ = 1;  ///< frames that all outputs do
-  double period_ns_ = 0;      ///< between those
+  std::size_t finished_ = 1;
+  double period_ns_ = 0;      ///< of the cameras
   std::uint32_t stride_ = 1;  ///< every how many-th frame all outputs run on
-  bool drops_ = false;
+  bool drops_ = false;        ///< an output may not do all of its frames
 };
 
 }  // namespace partita::partition

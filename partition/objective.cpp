@@ -1,5 +1,6 @@
 #include "partition/objective.h"
 
+#include <cstdio>
 #include <tuple>
 
 #include "devices/profile/error.h"
@@ -48,6 +49,25 @@ double cost(Objective objective, const Score& score) {
 
 double convert(Objective objective, double cost) {
   return objective == Objective::throughput ? 1e9 / cost : cost;
+}
+
+std::string show(Objective objective, double value) {
+  char text[64];
+  switch (objective) {
+    case Objective::latency:
+      std::snprintf(text, sizeof text, "%.2f ms", value * 1e-6);
+      break;
+    case Objective::energy:
+      std::snprintf(text, sizeof text, "%.3f J", value);
+      break;
+    case Objective::throughput:
+      std::snprintf(text, sizeof text, "%.2f Hz", value);
+      break;
+    case Objective::cost:
+      std::snprintf(text, sizeof text, "%.0f USD", value);
+      break;
+  }
+  return text;
 }
 
 bool ranks_before(Objective objective, const Score& a, const Score& b) {

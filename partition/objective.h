@@ -29,7 +29,8 @@ struct Score {
   /// than its steady state, where its first frame is late and its last one is not: what the cameras
   /// and the loads of the engines do not allow is cut off.
   double frame_ns = 0;
-  double area = 0;  ///< share of the scarcest resource of the fullest FPGA, 0..1; 0: no FPGA used
+  /// Share of the scarcest resource of the fullest FPGA; 0: none used; above 1: by swapping.
+  double area = 0;
   double price_usd = 0;
   double power_w = 0;  ///< mean
 
@@ -43,6 +44,9 @@ double value(Objective objective, const Score& score);
 double cost(Objective objective, const Score& score);
 /// Turns a cost() into a value() and the other way round.
 double convert(Objective objective, double cost);
+
+/// "52.41 ms", "1.960 J", "9.90 Hz", "2495 USD".
+std::string show(Objective objective, double value);
 
 /// Whether `a` ranks before `b`: by the objective, then, where that is exactly equal, by latency
 /// p99, energy, price, p50. Neither ranks first if all are equal: the caller keeps placement order.

@@ -16,6 +16,9 @@ void check_plausible(const Evaluator& evaluator, const TaskPlacement& placement,
 Score score_of(const Evaluator& evaluator, const TaskPlacement& placement, const Figures& figures,
                const Bounds& bounds);
 
+/// Share that `used` takes of the resource that it takes most of.
+double scarcest_share(const profile::Area& used, const profile::Area& available);
+
 }  // namespace partita::partition
 
 #endif  // PARTITA_PARTITION_SANITY_H
