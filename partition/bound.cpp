@@ -39,32 +39,42 @@ std::vector<bool> certain_tasks(const Pipeline& pipeline) {
 struct Bounder::Task {
   bool output = false;
   bool certain = false;
-  bool precedes = false;   ///< does every finished frame, before the last output ends
-  double activations = 0;  ///< at least, per finished frame; in the long run
-  double counted = 0;      ///< the same in a simulation, whose last frames may not finish
-  double per_frame = 0;    ///< at least, per frame of the cameras
+  bool precedes = false;                 ///< does every finished frame, before the last output ends
+  double activations = 0;                ///< if it precedes: per finished frame, at least
+  double per_frame = 0;                  ///< per frame of the cameras that is not dropped, at least
   std::vector<std::uint32_t> producers;  ///< whose part of the same frame it waits for
   std::vector<const Least*> places;      ///< null where not a choice
   Least open;                            ///< of all choices the least of everything
   const Least& at(std::uint32_t place) const { return place == kOpen ? open : *places[place]; }
+  /// The mean counts where all frames are done; else those that are done may be the light ones.
+  double typical(const AtLeast& figure) const { return certain ? figure.mean : figure.any; }
 };
 
 namespace {
 
+constexpr AtLeast kMost{std::numeric_limits<double>::max(), std::numeric_limits<double>::max()};
+
+void lower(AtLeast& to, const AtLeast& other) {
+  to.any = std::min(to.any, other.any);
+  to.mean = std::min(to.mean, other.mean);
+}
+
 Least least_of(const std::vector<const Least*>& places, std::size_t engines) {
-  constexpr double kMost = std::numeric_limits<double>::max();
   Least open{kMost, kMost, {}};
-  std::vector<double> busy(engines, kMost);
+  std::vector<AtLeast> busy(engines, kMost);
   for (const Least* least : places) {
     if (least == nullptr) continue;
-    open.duration_ns = std::min(open.duration_ns, least->duration_ns);
-    open.energy_j = std::min(open.energy_j, least->energy_j);
-    std::vector<double> here(engines, 0);
-    for (const Load& load : least->loads) here[load.engine] += load.busy_ns;
-    for (std::size_t e = 0; e < engines; ++e) busy[e] = std::min(busy[e], here[e]);
+    lower(open.duration_ns, least->duration_ns);
+    lower(open.energy_j, least->energy_j);
+    std::vector<AtLeast> here(engines);
+    for (const Load& load : least->loads) {
+      here[load.engine].any += load.busy_ns.any;
+      here[load.engine].mean += load.busy_ns.mean;
+    }
+    for (std::size_t e = 0; e < engines; ++e) lower(busy[e], here[e]);
   }
   for (std::uint32_t e = 0; e < engines; ++e) {
-    if (busy[e] > 0) open.loads.push_back({e, busy[e]});
+    if (busy[e].mean > 0) open.loads.push_back({e, busy[e]});
   }
   return open;
 }
@@ -92,6 +102,13 @@ Bounder::Bounder(const Evaluator& evaluator, const Choices& choices)
   }
   finished_ = divided_up(evaluator.frames(), stride_);
   period_ns_ = static_cast<double>(pipeline.period_ns);
+  for (const PipelineTask& task : pipeline.tasks) {
+    // Does the frame or, busy when it came, drops it: its clock has passed the trigger either way.
+    const std::uint64_t last = (evaluator.frames() - 1) / task.every * task.every;
+    if (task.inputs.empty()) {
+      last_trigger_ns_ = std::max(last_trigger_ns_, static_cast<double>(last) * period_ns_);
+    }
+  }
   for (std::uint32_t t = 0; t < tasks_.size(); ++t) {
     tasks_[t].places.resize(evaluator.places(t).size());
     for (const std::uint32_t p : choices[t]) tasks_[t].places[p] = &evaluator.least(t, p);
@@ -121,12 +138,10 @@ void Bounder::find_required() {
       task.producers.push_back(input.task);
       if (task.precedes) tasks_[input.task].precedes = true;
     }
-    const double every = what.every, stride = stride_;
-    const double finished = static_cast<double>(finished_);
-    const auto done = static_cast<double>(divided_up(evaluator_.frames(), what.every));
-    task.activations = certain[t] ? stride / every : required[t] ? 1 : 0;
-    task.counted = certain[t] ? done / finished : required[t] ? 1 : 0;
-    task.per_frame = certain[t] ? 1 / every : 0;
+    const double every = what.every;
+    task.activations = certain[t] ? stride_ / every : 1;
+    // With outputs on every frame, what is not dropped is finished.
+    task.per_frame = certain[t] ? 1 / every : required[t] && stride_ == 1 ? 1 : 0;
     drops_ = drops_ || (task.output && !certain[t]);
   }
 }
@@ -138,7 +153,7 @@ double Bounder::path(const TaskPlacement& placement) const {
     for (const std::uint32_t producer : tasks_[t].producers) {
       end[t] = std::max(end[t], end[producer]);
     }
-    end[t] += tasks_[t].at(placement[t]).duration_ns;
+    end[t] += tasks_[t].at(placement[t]).duration_ns.any;
     if (tasks_[t].output) longest = std::max(longest, end[t]);
   }
   return longest;
@@ -151,14 +166,15 @@ void Bounder::add_loads(const TaskPlacement& placement, Bounds& bounds) const {
   double longest = 0;  // of what has to be done for each frame of the cameras
   for (std::size_t t = 0; t < tasks_.size(); ++t) {
     const Task& task = tasks_[t];
+    if (!task.precedes) continue;
     const Least& least = task.at(placement[t]);
-    bounds.frame_ns = std::max(bounds.frame_ns, least.duration_ns * task.activations);
-    if (task.precedes) longest = std::max(longest, least.duration_ns * task.per_frame);
+    const double share = task.certain ? task.per_frame : 0;
+    bounds.frame_ns = std::max(bounds.frame_ns, task.typical(least.duration_ns) * task.activations);
+    longest = std::max(longest, least.duration_ns.any * share);
     for (const Load& load : least.loads) {
-      of_finished[load.engine] += load.busy_ns * task.activations;
-      if (!task.precedes) continue;
-      in_frame[load.engine] += load.busy_ns;
-      of_all[load.engine] += load.busy_ns * task.per_frame;
+      in_frame[load.engine] += load.busy_ns.any;
+      of_finished[load.engine] += task.typical(load.busy_ns) * task.activations;
+      of_all[load.engine] += load.busy_ns.any * share;
     }
   }
   for (std::size_t e = 0; e < engines; ++e) {
@@ -167,49 +183,63 @@ void Bounder::add_loads(const TaskPlacement& placement, Bounds& bounds) const {
     longest = std::max(longest, of_all[e]);
   }
   bounds.p50_ns = bounds.p99_ns = std::max(bounds.path_ns, bounds.load_ns);
-  if (drops_ || longest <= period_ns_) return;
-  // Finished frame number r is frame k = (r - 1) stride: all work of frames 0..k lies before its
-  // end, and none before the first trigger. Latencies grow with k, so r is the rank as well.
+  if (!drops_) add_waiting(longest, bounds);
+}
+
+/// Finished frame number r is frame k = (r - 1) stride: all work of frames 0..k lies before its
+/// end, and none before the first trigger.
+void Bounder::add_waiting(double longest, Bounds& bounds) const {
+  const auto end = [&](std::size_t r) {
+    return (static_cast<double>((r - 1) * stride_) + 1) * longest;
+  };
+  bounds.makespan_ns = std::max(bounds.makespan_ns, end(finished_));
+  if (longest <= period_ns_) return;
+  // Latencies grow from frame to frame: r is the rank as well.
   const auto waited = [&](double share) {
-    const auto k = static_cast<double>((rank(share, finished_) - 1) * stride_);
-    return (k + 1) * longest - k * period_ns_;
+    const std::size_t r = rank(share, finished_);
+    return end(r) - static_cast<double>((r - 1) * stride_) * period_ns_;
   };
   bounds.p50_ns = std::max(bounds.p50_ns, waited(0.5));
   bounds.p99_ns = std::max(bounds.p99_ns, waited(0.99));
 }
 
-double Bounder::price(const TaskPlacement& placement) const {
+/// What the parts in use cost, and draw when idle.
+void Bounder::add_parts(const TaskPlacement& placement, Bounds& bounds) const {
   const profile::Machine& machine = evaluator_.machine();
   std::vector<bool> devices(machine.devices.size()), nodes(machine.nodes.size());
+  nodes[machine.sensor_node] = true;
   for (std::uint32_t t = 0; t < placement.size(); ++t) {
     if (placement[t] == kOpen) continue;
     const Place& place = evaluator_.places(t)[placement[t]];
     if (place.is_device && !machine.devices[place.index].is_host_cpu) devices[place.index] = true;
     nodes[place.is_device ? machine.devices[place.index].node : place.index] = true;
   }
-  double sum = 0;
+  double idle_w = 0;
+  const auto add = [&](const profile::DeviceProfile& part) {
+    bounds.price_usd += part.price_usd;
+    idle_w += part.power.idle_w;
+  };
   for (std::size_t d = 0; d < devices.size(); ++d) {
-    if (devices[d]) sum += machine.devices[d].profile.price_usd;
+    if (devices[d]) add(machine.devices[d].profile);
   }
   for (std::size_t n = 0; n < nodes.size(); ++n) {
-    if (nodes[n]) sum += machine.nodes[n].host.price_usd;
+    if (nodes[n]) add(machine.nodes[n].host);
   }
-  return sum;
+  bounds.energy_j += idle_w * bounds.makespan_ns * 1e-9 / static_cast<double>(evaluator_.frames());
 }
 
 Bounds Bounder::operator()(const TaskPlacement& placement) const {
   Bounds bounds;
   bounds.finished = finished_;
   bounds.frame_ns = period_ns_ * stride_;
+  bounds.makespan_ns = last_trigger_ns_;
   bounds.path_ns = path(placement);
   add_loads(placement, bounds);
-  // n finished frames take at least n - 1 of their periods from the first trigger on.
-  const auto n = static_cast<double>(finished_);
-  bounds.energy_j = evaluator_.least_power_w() * period_ns_ * stride_ * 1e-9 * (n - 1) / n;
+  add_parts(placement, bounds);
   for (std::size_t t = 0; t < tasks_.size(); ++t) {
-    bounds.energy_j += tasks_[t].at(placement[t]).energy_j * tasks_[t].counted;
+    const Task& task = tasks_[t];
+    bounds.energy_j += task.typical(task.at(placement[t]).energy_j) * task.per_frame;
   }
-  bounds.price_usd = price(placement);
   return bounds;
 }
 

@@ -9,8 +9,11 @@
 //               frames.
 //   throughput  the cameras' rate; the slowest task, which does one frame after the other; the
 //               engine with most work a frame
-//   energy      the least power of all while a frame's period lasts, plus what each task adds
+//   energy      the idle power of the parts in use, and what each task adds
 //   price       the parts in use
+//
+// Only tasks that certainly do their part of a frame count: a task with a bounded queue may drop
+// it, and then what reads its output goes on without, if it has another input.
 #ifndef PARTITA_PARTITION_BOUND_H
 #define PARTITA_PARTITION_BOUND_H
 
@@ -35,6 +38,7 @@ struct Bounds {
   double frame_ns = 0;  ///< per finished frame in the long run: 1e9 / throughput
   double energy_j = 0;  ///< per frame
   double price_usd = 0;
+  double makespan_ns = 0;    ///< from the first frame's trigger to the end of everything
   std::size_t finished = 0;  ///< frames that all outputs do, if none is dropped
   /// The objective's bound as a cost().
   double cost(Objective objective) const;
@@ -59,12 +63,14 @@ class Bounder {
   void find_required();
   double path(const TaskPlacement& placement) const;
   void add_loads(const TaskPlacement& placement, Bounds& bounds) const;
-  double price(const TaskPlacement& placement) const;
+  void add_waiting(double longest, Bounds& bounds) const;
+  void add_parts(const TaskPlacement& placement, Bounds& bounds) const;
 
   const Evaluator& evaluator_;
   std::vector<Task> tasks_;
   std::size_t finished_ = 1;
-  double period_ns_ = 0;      ///< of the cameras
+  double period_ns_ = 0;  ///< of the cameras
+  double last_trigger_ns_ = 0;
   std::uint32_t stride_ = 1;  ///< every how many-th frame all outputs run on
   bool drops_ = false;        ///< an output may not do all of its frames
 };

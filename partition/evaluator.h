@@ -11,18 +11,24 @@
 
 namespace partita::partition {
 
-/// A part of the load of one activation on engines that others may need as well: a GPU's compute,
-/// an FPGA's memory, the cores of a CPU (then: core time divided by the number of cores).
-struct Load {
-  std::uint32_t engine = 0;  ///< index into Evaluator::engines()
-  double busy_ns = 0;
+/// A figure of a task's activations: of each of them at least, and on average over the frames that
+/// a simulation does.
+struct AtLeast {
+  double any = 0, mean = 0;
 };
 
-/// What an activation of a task takes at the very least, in whatever placement of the others, on
-/// whichever frame. Bounds are made of it, so it must never be more than what an evaluation shows.
+/// Work of an activation on an engine that others may need as well: a GPU's compute, a bus, the
+/// cores of a CPU (then: core time divided by the number of cores).
+struct Load {
+  std::uint32_t engine = 0;  ///< index into Evaluator::engines()
+  AtLeast busy_ns;
+};
+
+/// What an activation of a task takes at the very least, whatever else runs. Bounds are made of it,
+/// so it must never be more than what an evaluation shows.
 struct Least {
-  double duration_ns = 0;  ///< the task's start on a frame to its end
-  double energy_j = 0;     ///< above idle
+  AtLeast duration_ns;  ///< the task's start on a frame to its end
+  AtLeast energy_j;     ///< above idle
   std::vector<Load> loads;
 };
 
@@ -53,8 +59,6 @@ class Evaluator {
   /// Names of what Load::engine counts.
   virtual const std::vector<std::string>& engines() const = 0;
   virtual const Least& least(std::uint32_t task, std::uint32_t place) const = 0;
-  /// Power that no placement stays below.
-  virtual double least_power_w() const = 0;
 
   /// The same machine with other speeds (those replace this one's, they do not multiply).
   virtual std::unique_ptr<Evaluator> with(const Speeds& speeds) const = 0;

@@ -20,7 +20,7 @@ std::string lower(std::string_view text) {
 }
 
 [[noreturn]] void refuse(const Pin& pin, const std::string& why) {
-  throw profile::Error("pin '" + pin.to_string() + "': " + why);
+  throw PinError("pin '" + pin.to_string() + "': " + why);
 }
 
 struct Spot {
@@ -139,7 +139,7 @@ Pin parse_pin(std::string_view text) {
     pin.where = trimmed(text.substr(equals + 1));
   }
   if (pin.what.empty() || pin.where.empty() || pin.where.find('=') != std::string::npos) {
-    throw profile::Error("pin '" + std::string(text) +
+    throw PinError("pin '" + std::string(text) +
                          "' is not TASK=DEVICE, expected for instance depth=gpu");
   }
   return pin;

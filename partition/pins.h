@@ -19,13 +19,19 @@ struct Pin {
   std::string to_string() const { return what + "=" + where; }
 };
 
-/// Reads "TASK=DEVICE", spaces around names allowed. Throws profile::Error for anything else.
+/// What pins are refused with: another machine may satisfy them.
+class PinError : public profile::Error {
+ public:
+  using Error::Error;
+};
+
+/// Reads "TASK=DEVICE", spaces around names allowed. Throws PinError for anything else.
 Pin parse_pin(std::string_view text);
 
 /// Per task the places that the pins leave, ascending indices into Evaluator::places(task).
 using Choices = std::vector<std::vector<std::uint32_t>>;
 
-/// Throws profile::Error: an unknown task, a device that the machine lacks, a task that cannot run
+/// Throws PinError: an unknown task, a device that the machine lacks, a task that cannot run
 /// there, two pins that contradict each other. One line that says what there is.
 Choices choices(const Evaluator& evaluator, std::span<const Pin> pins);
 
