@@ -22,7 +22,7 @@ struct PathStep {
 struct Sensitivity {
   std::string what;  ///< "gtx1060", "bus of gtx1060", "pc/i5-8500", "ethernet"
   double speed = 2;
-  Score score;               ///< then
+  Score score;  ///< then
   /// Of the objective (where that is the cost, of the latency), in its unit; above 0: better.
   double gain = 0;
   double relative_gain = 0;  ///< share of the value

@@ -45,10 +45,10 @@ void check_bound(const Explored& explored, const Bounds& root) {
   for (const Objective objective : kObjectives) {
     for (const Point& point : explored.points()) {
       if (root.cost(objective) <= cost(objective, point.score) * kSlack) continue;
-      throw std::logic_error(
-          "bound of " + show(objective, convert(objective, root.cost(objective))) + " is beaten by " +
-          explored.evaluator().name(point.placement) + " with " +
-          show(objective, value(objective, point.score)));
+      throw std::logic_error("bound of " +
+                             show(objective, convert(objective, root.cost(objective))) +
+                             " is beaten by " + explored.evaluator().name(point.placement) +
+                             " with " + show(objective, value(objective, point.score)));
     }
   }
 }
@@ -72,8 +72,7 @@ Detailed detailed(const Explored& explored, const Point& point) {
   const Evaluator& evaluator = explored.evaluator();
   const Vehicle& vehicle = explored.options().vehicle;
   Detailed result{scored(evaluator, point), evaluator.evaluate(point.placement), {}, 0, 0};
-  check_plausible(evaluator, point.placement, result.figures,
-                  explored.bounder()(point.placement));
+  check_plausible(evaluator, point.placement, result.figures, explored.bounder()(point.placement));
   const auto& devices = evaluator.machine().devices;
   for (std::uint32_t d = 0; d < devices.size(); ++d) {
     const profile::Area used = evaluator.area(point.placement, d);
@@ -89,8 +88,7 @@ Rival rival(const Explored& explored, const Point& best, const Point& other, Com
   const Evaluator& evaluator = explored.evaluator();
   Rival result;
   static_cast<Detailed&>(result) = detailed(explored, other);
-  result.comparison =
-      comparer.compare(evaluator, best.placement, evaluator, other.placement);
+  result.comparison = comparer.compare(evaluator, best.placement, evaluator, other.placement);
   for (std::uint32_t t = 0; t < best.placement.size(); ++t) {
     if (best.placement[t] == other.placement[t]) continue;
     const auto& places = evaluator.places(t);
@@ -122,8 +120,8 @@ bool may_tie(const Evaluator& evaluator, Objective objective, const Score& best,
   return cost(objective, other) * (1 - most) <= cost(objective, best) * (1 + most);
 }
 
-void add_rivals(const Explored& explored, const std::vector<std::size_t>& order,
-                Comparer& comparer, MachineResult& result) {
+void add_rivals(const Explored& explored, const std::vector<std::size_t>& order, Comparer& comparer,
+                MachineResult& result) {
   const SearchOptions& options = explored.options();
   const Point& best = explored.points()[order.front()];
   for (std::size_t i = 1; i < order.size(); ++i) {
@@ -226,8 +224,8 @@ MachineResult search_machine(const Evaluator& evaluator, const SearchOptions& op
   const Point& best = explored.points()[order.front()];
   result.best = detailed(explored, best);
   result.parts = parts(evaluator, best.placement);
-  result.explanation = explain(evaluator, best.placement, result.best->figures, best.score,
-                               options.objective);
+  result.explanation =
+      explain(evaluator, best.placement, result.best->figures, best.score, options.objective);
   add_rivals(explored, order, comparer, result);
   if (result.next) {
     result.explanation.lines.push_back(describe(*result.next, options.objective));

@@ -122,9 +122,10 @@ void apply(const Evaluator& evaluator, std::span<const Pin> pins, std::size_t nu
       for (const Pin& other : pins.first(number)) {
         const auto about = tasks_of(evaluator.pipeline(), other);
         if (std::find(about.begin(), about.end(), t) == about.end()) continue;
-        append(others, "'" + other.to_string() + "'");
+        append(others, other.to_string());
       }
-      refuse(pin, "contradicts " + others + " for task '" + task + "', expected one place for it");
+      refuse(pin,
+             "contradicts pin " + others + " for task '" + task + "', expected one place for it");
     }
   }
 }
@@ -140,7 +141,7 @@ Pin parse_pin(std::string_view text) {
   }
   if (pin.what.empty() || pin.where.empty() || pin.where.find('=') != std::string::npos) {
     throw PinError("pin '" + std::string(text) +
-                         "' is not TASK=DEVICE, expected for instance depth=gpu");
+                   "' is not TASK=DEVICE, expected for instance depth=gpu");
   }
   return pin;
 }

@@ -84,7 +84,7 @@ void check_plausible(const Evaluator& evaluator, const TaskPlacement& placement,
   gate.positive("power", figures.power_w, "W");
   gate.at_most("power", figures.power_w, most_power(evaluator.machine()), "W",
                "1.5 x all parts at full load");
-  gate.positive("price", figures.price_usd, "USD");
+  gate.at_least("price", figures.price_usd, 0, "USD", "nothing");
   gate.at_least("price", figures.price_usd, bounds.price_usd, "USD", "the parts in use");
   if (figures.throughput_hz != 0) {  // a single frame has none
     gate.positive("throughput", figures.throughput_hz, "Hz");

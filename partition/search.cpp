@@ -48,9 +48,9 @@ void rank_machines(const std::vector<const Evaluator*>& evaluators, Comparer& co
   const std::size_t first = exploration.ranking.front().machine;
   for (std::size_t i = 1; i < exploration.ranking.size(); ++i) {
     Ranked& other = exploration.ranking[i];
-    other.behind = comparer.compare(*evaluators[first], machines[first].best->placement,
-                                    *evaluators[other.machine],
-                                    machines[other.machine].best->placement);
+    other.behind =
+        comparer.compare(*evaluators[first], machines[first].best->placement,
+                         *evaluators[other.machine], machines[other.machine].best->placement);
     other.tie = !other.behind.beats;
   }
 }
@@ -96,10 +96,9 @@ std::string describe(const Rival& rival, Objective objective) {
     text += "has the same " + std::string(to_string(objective)) + " and ";
   }
   text += "takes " + size(c.nominal) + (more ? " more" : " less") + " (" + changes + ")";
-  if (c.beats) return text + ", in every corner of the uncertainty at least " +
-                      size(more ? c.least : c.most);
-  return text + ": with the uncertainty, from " + show(c.by, c.least) + " to " +
-         show(c.by, c.most);
+  if (c.beats)
+    return text + ", in every corner of the uncertainty at least " + size(more ? c.least : c.most);
+  return text + ": with the uncertainty, from " + show(c.by, c.least) + " to " + show(c.by, c.most);
 }
 
 Exploration explore(const std::vector<const Evaluator*>& evaluators, const SearchOptions& options) {
