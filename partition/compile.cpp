@@ -76,14 +76,17 @@ timeline::Layout scaled_layout(const profile::Machine& machine, const Speeds& sp
     layout.links[l].bps = faster_bps(layout.links[l].bps, factor(speeds.links, l));
     layout.links[l].latency_ns = faster(layout.links[l].latency_ns, factor(speeds.links, l));
   }
+  timeline::check_layout(layout);
   return layout;
 }
 
 }  // namespace
 
 Compiler::Compiler(const profile::Machine& machine, const Speeds& speeds)
-    : machine_(machine), speeds_(speeds), layout_(scaled_layout(machine, speeds)) {
-  timeline::check_layout(layout_);
+    : machine_(machine),
+      speeds_(speeds),
+      layout_(scaled_layout(machine, speeds)),
+      placement_(layout_, nullptr) {
   for (const auto& device : machine.devices) device_models_.emplace_back(device.profile);
   for (std::size_t n = 0; n < machine.nodes.size(); ++n) {
     node_models_.emplace_back(machine.nodes[n].host);
@@ -128,81 +131,121 @@ std::uint32_t Compiler::link_between(std::uint32_t a, std::uint32_t b) const {
   return static_cast<std::uint32_t>(found - layout_.links.begin());  // check_layout: there is one
 }
 
-/// Between host and device, and the traffic that it makes in a memory that both share.
-Ns Compiler::transfer_ns(std::uint32_t device, std::uint64_t bytes, std::uint64_t& traffic) const {
-  const timeline::LayoutDevice& d = layout_.devices[device];
-  traffic = d.shared_memory ? 2 * bytes : 0;
-  return bytes == 0 ? 0 : Placement::duration_of(bytes, d.link_bps);
-}
-
-OpDetail Compiler::detail(const TaskWork& task, const Step& step, const CompiledTask& at) {
-  OpDetail detail;
-  detail.name = name(step.name);
-  if (step.kind == StepKind::host) {
-    detail.work = &task.works[step.work][0];
-    detail.demand = faster(timeline::demand_of(node_models_[at.node].host_step(*detail.work)),
-                           factor(speeds_.nodes, at.node));
-  } else if (step.kind == StepKind::kernel) {
-    const profile::DeviceProfile& profile = machine_.devices[at.device].profile;
-    detail.work = &task.works[step.work][variant_index(profile.type)];
-    detail.launch = {std::max<std::uint64_t>(detail.work->groups, 1),
-                     std::max<std::uint64_t>(detail.work->group_items, 1),
-                     detail.work->group_local_bytes};
-    model::Circuit circuit;
-    if (profile.type == DeviceType::fpga) {
-      circuit = step.circuit;
-      detail.compute_units = std::clamp(circuit.compute_units, 1u, 64u);
+timeline::Prepared Compiler::prepare(const TaskWork& task, const Step& step,
+                                     const CompiledTask& at, OpDetail& detail) const {
+  switch (step.kind) {
+    case StepKind::host:
+      detail.work = &task.works[step.work][0];
+      return placement_.prepare_step(
+          at.node, faster(timeline::demand_of(node_models_[at.node].host_step(*detail.work)),
+                          factor(speeds_.nodes, at.node)));
+    case StepKind::kernel: {
+      const profile::DeviceProfile& profile = machine_.devices[at.device].profile;
+      detail.work = &task.works[step.work][variant_index(profile.type)];
+      detail.launch = {std::max<std::uint64_t>(detail.work->groups, 1),
+                       std::max<std::uint64_t>(detail.work->group_items, 1),
+                       detail.work->group_local_bytes};
+      model::Circuit circuit;
+      if (profile.type == DeviceType::fpga) {
+        circuit = step.circuit;
+        detail.compute_units = std::clamp(circuit.compute_units, 1u, 64u);
+      }
+      return placement_.prepare(
+          at.device, faster(timeline::demand_of(device_models_[at.device].kernel(
+                                *detail.work, detail.launch, circuit)),
+                            device_speed(at.device)));
     }
-    detail.demand = faster(timeline::demand_of(device_models_[at.device].kernel(
-                               *detail.work, detail.launch, circuit)),
-                           device_speed(at.device));
-  } else if (step.kind == StepKind::copy) {
-    detail.demand = faster(timeline::demand_of(device_models_[at.device].copy(step.bytes)),
-                           device_speed(at.device));
-  } else if (step.kind != StepKind::finish) {
-    detail.bytes = step.bytes;
+    case StepKind::copy:
+      return placement_.prepare_inside(
+          at.device, faster(timeline::demand_of(device_models_[at.device].copy(step.bytes)),
+                            device_speed(at.device)));
+    case StepKind::write:
+    case StepKind::read:
+      detail.bytes = step.bytes;
+      return placement_.prepare_transfer(at.device, step.bytes);
+    case StepKind::finish:
+      break;
   }
-  return detail;
+  return {};
 }
 
-Op Compiler::op(const Step& step, const OpDetail& detail, const CompiledTask& at) {
+Op Compiler::op(const Step& step, const CompiledTask& at) {
   Op op;
   op.type = type_of(step.kind);
   op.blocking = step.blocking;
-  if (op.type == OpType::finish) return op;
-  const Ns busy = std::max(detail.demand.compute_ns, detail.demand.memory_ns);
-  if (op.type == OpType::host) {
-    op.alone = detail.demand.launch_ns + busy;
-    op.share = Placement::share_of(layout_.nodes[at.node].memory_bps, busy, detail.demand.bytes);
-    op.slot = at.node;
-    return op;
-  }
+  op.slot = at.node;  // its cores
+  if (op.type == OpType::finish || op.type == OpType::host) return op;
   const timeline::LayoutDevice& d = layout_.devices[at.device];
   const std::string& node = layout_.nodes[d.node].name;
-  const std::uint32_t memory = memory_of(at.device);
-  const std::uint64_t bps = memory < layout_.nodes.size() ? layout_.nodes[memory].memory_bps
-                                                          : d.memory_bps;
   if (op.type == OpType::write || op.type == OpType::read) {
-    std::uint64_t traffic = 0;
-    const Ns moving = transfer_ns(at.device, detail.bytes, traffic);
-    op.alone = detail.bytes == 0 ? 0 : d.link_latency_ns + moving;
-    op.share = memory == kNone ? 0 : Placement::share_of(bps, moving, traffic);
     op.slot = slot(op.type == OpType::write ? node + ">" + d.name : d.name + ">" + node,
                    EngineKind::link, d.node, at.device);
-    return op;
-  }
-  op.alone = detail.demand.launch_ns + busy;
-  op.share = memory == kNone ? 0 : Placement::share_of(bps, busy, detail.demand.bytes);
-  if (d.type == DeviceType::cpu) {
-    op.slot = at.node;
   } else if (d.type == DeviceType::gpu) {
     op.slot = slot(d.name, EngineKind::compute, d.node, at.device);
-  } else {
-    op.own_engine = op.type == OpType::kernel && detail.compute_units == 1;
-    op.slot = slot(d.name + "/" + (op.type == OpType::copy ? "copy" : step.name),
-                   EngineKind::compute, d.node, at.device);
+  } else if (d.type == DeviceType::fpga) {
+    const bool kernel = op.type == OpType::kernel;
+    op.own_engine = kernel && at.details.back().compute_units == 1;
+    op.slot = slot(d.name + "/" + (kernel ? step.name : "copy"), EngineKind::compute, d.node,
+                   at.device);
   }
   return op;
+}
+
+void Compiler::add_step(const TaskWork& task, const Step& step, CompiledTask& at,
+                        CompiledFrame& frame) {
+  at.details.emplace_back();
+  at.details.back().name = name(step.name);
+  at.prepared.push_back(prepare(task, step, at, at.details.back()));
+  const timeline::Prepared& prepared = at.prepared.back();
+  frame.ops.push_back(op(step, at));
+  Op& added = frame.ops.back();
+  added.detail = static_cast<std::uint32_t>(at.details.size() - 1);
+  added.alone = prepared.alone();
+  const bool host = added.type == OpType::host;
+  const bool transfer = added.type == OpType::write || added.type == OpType::read;
+  (host ? frame.node_bytes : frame.device_bytes) += transfer ? step.bytes : prepared.demand.bytes;
+  std::uint32_t& most = host ? at.host_share : at.device_share;
+  most = std::max(most, prepared.share);
+}
+
+/// Bursts and free runs.
+void Compiler::find_runs(const CompiledTask& at, CompiledFrame& frame) const {
+  if (at.device == kNone) return;
+  const timeline::LayoutDevice& d = layout_.devices[at.device];
+  const auto enqueued = [&](std::size_t i) {
+    return i < frame.ops.size() && !frame.ops[i].blocking &&
+           frame.ops[i].type != OpType::host && frame.ops[i].type != OpType::finish;
+  };
+  const auto on_compute = [&](std::size_t i) {
+    if (!enqueued(i) || d.type == DeviceType::fpga) return false;
+    const Op& op = frame.ops[i];
+    if (op.type != OpType::kernel && op.type != OpType::copy) return false;
+    return d.type == DeviceType::gpu ||
+           at.prepared[op.detail].cores == layout_.nodes[d.node].cores;
+  };
+  for (std::size_t first = 0; first < frame.ops.size(); ++first) {
+    Ns busy = 0, host = 0;
+    std::uint32_t count = 0;
+    for (std::size_t i = first; on_compute(i) && host <= busy; ++i, ++count) {
+      busy += frame.ops[i].alone;
+      host += at.api_ns;
+    }
+    frame.ops[first].burst = count;
+  }
+  for (std::size_t first = 0; first < frame.ops.size(); ++first) {
+    FreeRun run;
+    for (std::size_t i = first; enqueued(i); ++i, ++run.ops) {
+      run.host += at.api_ns;
+      run.after_queue += frame.ops[i].alone;
+      run.after_host =
+          std::max(run.after_host + frame.ops[i].alone,
+                   run.host + at.submit_ns + frame.ops[i].alone);
+    }
+    if (run.ops == 0) continue;
+    frame.ops[first].free_run = static_cast<std::uint32_t>(frame.free_runs.size());
+    frame.free_runs.push_back(run);
+    first += run.ops - 1;
+  }
 }
 
 CompiledTask Compiler::compile(const TaskWork& task, const Place& place) {
@@ -219,18 +262,18 @@ CompiledTask Compiler::compile(const TaskWork& task, const Place& place) {
   }
   for (const Program& program : task.frames) {
     CompiledFrame frame;
+    std::vector<Ns> held;
     for (const Step& step : program) {
       if (!place.is_device && step.kind != StepKind::host) continue;
-      compiled.details.push_back(detail(task, step, compiled));
-      const OpDetail& d = compiled.details.back();
-      frame.ops.push_back(op(step, d, compiled));
-      Op& last = frame.ops.back();
-      last.detail = static_cast<std::uint32_t>(compiled.details.size() - 1);
-      const bool host = last.type == OpType::host;
-      (host ? frame.node_bytes : frame.device_bytes) += d.bytes + d.demand.bytes;
-      std::uint32_t& most = host ? compiled.host_share : compiled.device_share;
-      most = std::max(most, last.share);
+      add_step(task, step, compiled, frame);
+      const Op& op = frame.ops.back();
+      held.resize(slots_.size(), 0);
+      if (op.type != OpType::host) held[op.slot] += op.alone;
     }
+    for (std::uint32_t s = 0; s < held.size(); ++s) {
+      if (held[s] > 0) frame.held.emplace_back(s, held[s]);
+    }
+    find_runs(compiled, frame);
     compiled.frames.push_back(std::move(frame));
   }
   return compiled;

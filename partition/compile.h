@@ -5,6 +5,8 @@
 #define PARTITA_PARTITION_COMPILE_H
 
 #include <cstdint>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "devices/timeline/placement.h"
@@ -16,22 +18,33 @@ using timeline::kNone;
 
 enum class OpType : std::uint8_t { kernel, write, read, copy, host, finish };
 
-/// One step of a program at a place. 24 bytes: simulations stream through thousands of them.
+/// One step of a program at a place. 32 bytes: simulations stream through thousands of them.
 struct Op {
-  Ns alone = 0;           ///< duration on free engines and an idle memory
-  std::uint32_t share = 0;   ///< of its memory's bandwidth while it runs alone
-  std::uint32_t detail = 0;  ///< index into CompiledTask::details
+  Ns alone = 0;              ///< duration on free engines and an idle memory
+  std::uint32_t detail = 0;  ///< index into CompiledTask::details and ::prepared
   std::uint32_t slot = 0;    ///< engine, for accounting: index into Compiler::slots
+  /// From here on, so many commands of the same engine follow each other at once: the host enqueues
+  /// each before the one before it can be over. 0: none does.
+  std::uint32_t burst = 0;
+  std::uint32_t free_run = kNone;  ///< index into CompiledFrame::free_runs, at the first of its ops
   OpType type = OpType::kernel;
   bool blocking = false;
   bool own_engine = false;  ///< no other task can use it: an FPGA's circuit
 };
 
-/// What placing an operation on a busy machine takes.
+/// Commands enqueued one after the other, none of which the host waits for. Where nobody disturbs
+/// them, the host clock H and the queue's END E become, in max-plus algebra,
+///   E' = max(H + after_host, E + after_queue),  H' = H + host
+/// since each command does E' = max(H + api + submit, E) + duration.
+struct FreeRun {
+  std::uint32_t ops = 0;
+  Ns after_host = 0, after_queue = 0, host = 0;
+};
+
+/// What placing an operation on a busy machine takes, besides its timeline::Prepared.
 struct OpDetail {
   timeline::NameId name = 0;  ///< index into Compiler::names
-  timeline::Demand demand;
-  std::uint64_t bytes = 0;  ///< over the device's link
+  std::uint64_t bytes = 0;    ///< over the device's link
   std::uint32_t compute_units = 1;
   const Work* work = nullptr;
   model::Launch launch;
@@ -39,6 +52,9 @@ struct OpDetail {
 
 struct CompiledFrame {
   std::vector<Op> ops;
+  std::vector<FreeRun> free_runs;
+  /// What its device operations hold when nobody disturbs them, by slot.
+  std::vector<std::pair<std::uint32_t, Ns>> held;
   std::uint64_t device_bytes = 0;  ///< moved: link plus memory traffic, for the energy
   std::uint64_t node_bytes = 0;    ///< the same of host steps
 };
@@ -50,6 +66,7 @@ struct CompiledTask {
   Ns api_ns = 0, submit_ns = 0, wakeup_ns = 0;
   std::vector<CompiledFrame> frames;  ///< frame k is frames[k % size]
   std::vector<OpDetail> details;
+  std::vector<timeline::Prepared> prepared;
   /// Largest shares of a memory that it draws at once: by a command of its queue, and by a host
   /// step beside it. A device's memory is its node's where they share one.
   std::uint32_t device_share = 0, host_share = 0;
@@ -91,13 +108,16 @@ class Compiler {
   std::uint32_t name(const std::string& text);
   std::uint32_t slot(std::string name, timeline::EngineKind kind, std::uint32_t node,
                      std::uint32_t device);
-  OpDetail detail(const TaskWork& task, const Step& step, const CompiledTask& at);
-  Op op(const Step& step, const OpDetail& detail, const CompiledTask& at);
-  Ns transfer_ns(std::uint32_t device, std::uint64_t bytes, std::uint64_t& traffic) const;
+  timeline::Prepared prepare(const TaskWork& task, const Step& step, const CompiledTask& at,
+                             OpDetail& detail) const;
+  Op op(const Step& step, const CompiledTask& at);
+  void add_step(const TaskWork& task, const Step& step, CompiledTask& at, CompiledFrame& frame);
+  void find_runs(const CompiledTask& at, CompiledFrame& frame) const;
 
   const profile::Machine& machine_;
   Speeds speeds_;
   timeline::Layout layout_;
+  timeline::Placement placement_;  ///< only prepares
   std::vector<model::DeviceModel> device_models_, node_models_;
   std::vector<std::string> names_{""};
   std::vector<Slot> slots_;

@@ -56,39 +56,79 @@ void CompiledClock::find_free() {
     t.circuits_free = calm_memory;
     t.link_free = calm_memory && users[device] == 1;
     t.device_free = t.link_free && !cpu;
+    t.all_free = t.device_free;
+    t.bursts = cpu || calm_memory;
   }
 }
 
 Placed CompiledClock::placed(const Thread& t, const Op& op, Ns ready) {
   const OpDetail& d = t.task->details[op.detail];
+  const timeline::Prepared& prepared = t.task->prepared[op.detail];
   const std::uint32_t device = t.task->device;
   switch (op.type) {
     case OpType::kernel:
       return placement_.kernel(0, device, d.name, compiler_.names()[d.name], d.compute_units, ready,
-                               d.demand);
+                               prepared);
     case OpType::copy:
-      return placement_.inside(0, device, ready, d.demand);
+      return placement_.inside(0, device, ready, prepared);
     case OpType::host:
-      return placement_.core(0, t.task->node, ready, d.demand);
+      return placement_.core(0, t.task->node, ready, prepared);
     default:
-      return placement_.transfer(0, device, t.task->node, op.type == OpType::write, false, ready,
-                                 d.bytes);
+      if (d.bytes == 0) return {ready, ready};
+      return placement_.local_transfer(0, device, op.type == OpType::write, ready, prepared);
   }
 }
 
-void CompiledClock::step(std::uint32_t i, std::size_t, const Op& op) {
-  Thread& t = threads_[i];
+void CompiledClock::step(Thread& t, const Op& op) {
   if (op.type == OpType::finish) return block(t, t.queue_end);
-  const bool free = undisturbed(i, op);
-  if (free) held_[op.slot] += op.alone;
+  const bool free = undisturbed(t, op);
   if (op.type == OpType::host) {
+    if (free) held_[op.slot] += op.alone;
     t.clock = free ? t.clock + op.alone : placed(t, op, t.clock).end;
     return;
   }
+  if (free && !t.all_free) held_[op.slot] += op.alone;
   t.clock += t.task->api_ns;
   const Ns ready = std::max(t.clock + t.task->submit_ns, t.queue_end);
   t.queue_end = free ? ready + op.alone : placed(t, op, ready).end;
   if (op.blocking) block(t, t.queue_end);
+}
+
+/// As many of a burst's commands as the thread enqueues before it is anybody else's turn.
+std::size_t CompiledClock::burst(Thread& t, const CompiledFrame& program, std::size_t first,
+                                 Ns until) {
+  const Op& op = program.ops[first];
+  const Ns api = t.task->api_ns;
+  std::size_t count = op.burst;
+  if (t.clock >= until) return 0;
+  if (api > 0) count = std::min<std::size_t>(count, (until - 1 - t.clock) / api + 1);
+  const Ns ready = std::max(t.clock + api + t.task->submit_ns, t.queue_end);
+  if (!placement_.append(t.task->device, ready, {&t.task->prepared[op.detail], count},
+                         t.queue_end)) {
+    return 0;
+  }
+  t.clock += count * api;
+  return count;
+}
+
+std::size_t CompiledClock::steps(std::uint32_t i, std::size_t, const CompiledFrame& program,
+                                 std::size_t first, Ns until) {
+  Thread& t = threads_[i];
+  std::size_t at = first;
+  do {
+    const Op& op = program.ops[at];
+    if (t.all_free && op.free_run != kNone) {
+      const FreeRun& run = program.free_runs[op.free_run];
+      t.queue_end = std::max(t.clock + run.after_host, t.queue_end + run.after_queue);
+      t.clock += run.host;
+      at += run.ops;
+      continue;
+    }
+    const std::size_t count = t.bursts && op.burst > 1 ? burst(t, program, at, until) : 0;
+    if (count == 0) step(t, op);
+    at += std::max<std::size_t>(count, 1);
+  } while (at < program.ops.size() && (t.clock < until || undisturbed(t, program.ops[at])));
+  return at - first;
 }
 
 void CompiledClock::load(std::uint32_t i) {
@@ -129,6 +169,11 @@ void CompiledClock::message(std::uint32_t i, std::uint32_t input, std::size_t fr
 }
 
 Ns CompiledClock::post(std::uint32_t i, std::size_t frame) {
+  if (threads_[i].all_free) {
+    for (const auto& [slot, ns] : threads_[i].task->frame(frame + scene_->offset).held) {
+      held_[slot] += ns;
+    }
+  }
   return posts_[i * scene_->frames + frame] = threads_[i].clock;
 }
 

@@ -27,21 +27,8 @@ class CompiledClock {
   void sensor(std::uint32_t i, std::size_t frame);
   void message(std::uint32_t i, std::uint32_t input, std::size_t frame);
   void load(std::uint32_t i);
-  void step(std::uint32_t i, std::size_t frame, const Op& op);
-  bool undisturbed(std::uint32_t i, const Op& op) const {
-    const Thread& t = threads_[i];
-    switch (op.type) {
-      case OpType::finish:
-        return true;
-      case OpType::host:
-        return t.host_free;
-      case OpType::kernel:
-      case OpType::copy:
-        return op.own_engine ? t.circuits_free : t.device_free;
-      default:
-        return t.link_free;
-    }
-  }
+  std::size_t steps(std::uint32_t i, std::size_t frame, const CompiledFrame& program,
+                    std::size_t first, Ns until);
   Ns post(std::uint32_t i, std::size_t frame);
 
   /// The latest END or host clock.
@@ -63,12 +50,30 @@ class CompiledClock {
     bool device_free = false;    ///< the device's compute and copy engines are its own
     bool circuits_free = false;  ///< its circuits are its own
     bool link_free = false;      ///< the device's link is its own
+    bool all_free = false;       ///< all of these but the host's
+    bool bursts = false;         ///< its device's memory makes nobody wait, or is the calendars' own
   };
   void block(Thread& t, Ns end) {
     t.clock += t.task->api_ns;
     if (end > t.clock) t.clock = end + t.task->wakeup_ns;
   }
   void find_free();
+  void step(Thread& t, const Op& op);
+  std::size_t burst(Thread& t, const CompiledFrame& program, std::size_t first, Ns until);
+  /// Whether nobody can notice when it runs: no need to take turns.
+  static bool undisturbed(const Thread& t, const Op& op) {
+    switch (op.type) {
+      case OpType::finish:
+        return true;
+      case OpType::host:
+        return t.host_free;
+      case OpType::kernel:
+      case OpType::copy:
+        return op.own_engine ? t.circuits_free : t.device_free;
+      default:
+        return t.link_free;
+    }
+  }
   timeline::Placed placed(const Thread& t, const Op& op, Ns ready);
   void deliver(std::uint32_t i, std::uint32_t channel, std::size_t frame, std::uint32_t home,
                Ns posted);

@@ -9,8 +9,9 @@
 //   Ns wakeup_ns(i)                  what it costs to be woken by another thread
 //   void message(i, input, frame)    what its input number `input` says of a frame arrives
 //   void load(i)                     its bitstream is loaded, by a command of its queue
-//   void step(i, frame, op)          one operation of its program
-//   bool undisturbed(i, op)          nobody else can notice when it runs: no need to take turns
+//   size_t steps(i, frame, program, first, until)
+//                                    operation `first` of its program and, as long as its clock is
+//                                    below `until` or nobody can notice, more; returns how many
 //   Ns post(i, frame)                what it made of a frame is there, now
 #ifndef PARTITA_PARTITION_DRIVER_H
 #define PARTITA_PARTITION_DRIVER_H
@@ -88,7 +89,7 @@ class Driver {
       Actor& actor = actors_[i];
       do {
         act(i, actor);
-      } while (actor.state == State::ready && goes_on(i, actor));
+      } while (actor.state == State::ready && goes_on(i));
     }
     for (const Actor& actor : actors_) {
       if (actor.state != State::done) throw std::logic_error("simulator: tasks wait in a circle");
@@ -141,14 +142,12 @@ class Driver {
     return first;
   }
 
-  /// Whether task i may act again: nobody can notice what it does next, or it is still the first.
-  bool goes_on(std::uint32_t i, const Actor& actor) const {
-    if (actor.stage == Stage::steps && actor.op < actor.program->ops.size() &&
-        clock_.undisturbed(i, actor.program->ops[actor.op])) {
-      return true;
-    }
-    const Ns now = clock_.now(i);
-    return !woken_ && (now < others_ || (now == others_ && i < other_));
+  /// Whether it is still the turn of task i.
+  bool goes_on(std::uint32_t i) const { return clock_.now(i) < until(i); }
+  /// Below this clock it is the turn of task i.
+  Ns until(std::uint32_t i) const {
+    if (woken_) return 0;
+    return others_ + (i < other_ && others_ != Trace::kNot ? 1 : 0);
   }
 
   void act(std::uint32_t i, Actor& actor) {
@@ -169,7 +168,7 @@ class Driver {
         return begin(i, actor);
       case Stage::steps:
         if (actor.op == actor.program->ops.size()) return post(i, actor);
-        clock_.step(i, actor.frame, actor.program->ops[actor.op++]);
+        actor.op += clock_.steps(i, actor.frame, *actor.program, actor.op, until(i));
         return;
     }
   }

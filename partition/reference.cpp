@@ -62,8 +62,11 @@ class TimelineClock {
     command.demand.launch_ns = compiler_.load_ns(scene_.tasks[i]->device);
     timeline_.release(timeline_.enqueue(threads_[i], command));
   }
-  void step(std::uint32_t i, std::size_t frame, const Op& op);
-  bool undisturbed(std::uint32_t, const Op&) const { return false; }
+  std::size_t steps(std::uint32_t i, std::size_t frame, const CompiledFrame& program,
+                    std::size_t first, Ns) {
+    step(i, frame, program.ops[first]);
+    return 1;
+  }
   Ns post(std::uint32_t i, std::size_t frame) {
     label(i, frame);
     const NodeId event = timeline_.create_user_event(threads_[i]);
@@ -74,6 +77,7 @@ class TimelineClock {
   const Timeline& timeline() const { return timeline_; }
 
  private:
+  void step(std::uint32_t i, std::size_t frame, const Op& op);
   void add_task(std::uint32_t i) {
     const CompiledTask& task = *scene_.tasks[i];
     const PipelineTask& own = scene_.pipeline->tasks[i];
@@ -102,16 +106,17 @@ void TimelineClock::step(std::uint32_t i, std::size_t frame, const Op& op) {
     return;
   }
   const OpDetail& detail = scene_.tasks[i]->details[op.detail];
+  const timeline::Demand& demand = scene_.tasks[i]->prepared[op.detail].demand;
   if (op.type == OpType::host) {
     timeline_.release(
-        timeline_.host_step(thread, names_[detail.name], detail.demand, detail.work));
+        timeline_.host_step(thread, names_[detail.name], demand, detail.work));
     return;
   }
   Command command;
   command.queue = queues_[i];
   command.kind = kind_of(op.type);
   command.name = names_[detail.name];
-  command.demand = detail.demand;
+  if (op.type == OpType::kernel || op.type == OpType::copy) command.demand = demand;
   command.bytes = detail.bytes;
   command.compute_units = detail.compute_units;
   command.work = detail.work;

@@ -117,9 +117,31 @@ std::size_t Bandwidth::split(Ns time) {
   return at + 1;
 }
 
+/// Nothing is taken from `start` on.
+void Bandwidth::append(Ns start, Ns end, std::uint32_t share) {
+  if (!steps_.empty() && steps_.back().from == start) {
+    steps_.back().used = share;
+    const std::size_t n = steps_.size();
+    if (n > 1 && steps_[n - 2].used == share) steps_.pop_back();  // goes on as before
+  } else {
+    steps_.push_back({start, share});
+  }
+  steps_.push_back({end, 0});
+  drop_oldest();
+}
+
+/// Bounds memory: what is older than the later half is closed.
+void Bandwidth::drop_oldest() {
+  if (steps_.size() <= kMaxGaps) return;
+  const auto keep = steps_.begin() + kMaxGaps / 2;
+  floor_ = std::max(floor_, keep->from);
+  steps_.erase(steps_.begin(), keep);
+}
+
 void Bandwidth::reserve(Ns start, Ns end, std::uint32_t share) {
   if (start >= end || share == 0) return;
   if (share > kWhole) throw std::logic_error("timeline: more than the whole bandwidth");
+  if (steps_.empty() || start >= steps_.back().from) return append(start, end, share);
   const std::size_t first = split(start);
   const std::size_t last = split(end);
   for (std::size_t i = first; i < last; ++i) {
@@ -130,11 +152,7 @@ void Bandwidth::reserve(Ns start, Ns end, std::uint32_t share) {
   const auto from = steps_.begin() + static_cast<std::ptrdiff_t>(first > 0 ? first - 1 : 0);
   const auto to = steps_.begin() + static_cast<std::ptrdiff_t>(last) + 1;
   steps_.erase(std::unique(from, to, equal), to);
-  if (steps_.size() > kMaxGaps) {
-    const auto keep = steps_.begin() + kMaxGaps / 2;
-    floor_ = std::max(floor_, keep->from);
-    steps_.erase(steps_.begin(), keep);
-  }
+  drop_oldest();
 }
 
 void Bandwidth::clear() {

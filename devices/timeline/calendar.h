@@ -18,6 +18,15 @@ class BusyTimes {
  public:
   /// The earliest start >= ready of a free stretch of `duration`.
   Ns first_fit(Ns ready, Ns duration) const;
+  /// Whether nothing but one unbroken stretch, or nothing, is taken from `ready` on; then `start` is
+  /// when it is over.
+  bool unbroken_from(Ns ready, Ns& start) const {
+    start = ready < floor_ ? floor_ : ready;
+    if (busy_.empty() || start >= busy_.back().end) return true;
+    const bool unbroken = start >= busy_.back().start;
+    start = busy_.back().end;
+    return unbroken;
+  }
   /// Throws std::logic_error if any of [start, end) is taken: an engine does one thing at a time.
   void reserve(Ns start, Ns end);
   void clear();
@@ -48,6 +57,8 @@ class Bandwidth {
   /// Takes min(share, what is left) over [start, end). Throws std::logic_error above the whole.
   void reserve(Ns start, Ns end, std::uint32_t share);
   void clear();
+  /// Whether nothing is taken from `time` on.
+  bool idle_from(Ns time) const { return steps_.empty() || time >= steps_.back().from; }
   /// Used share at a time.
   std::uint32_t used(Ns time) const;
 
@@ -58,6 +69,8 @@ class Bandwidth {
   };
   std::size_t step_at(Ns time) const;  ///< index of the step that holds `time`; steps not empty
   std::size_t split(Ns time);          ///< makes a step begin at `time`
+  void append(Ns start, Ns end, std::uint32_t share);
+  void drop_oldest();
 
   std::vector<Step> steps_;
   Ns floor_ = 0;

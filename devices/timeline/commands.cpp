@@ -137,7 +137,8 @@ Placed Timeline::Impl::placed(NodeId id, const Spec& s, Ns ready) {
   const DeviceId device = queues[node(id).queue].device;
   switch (s.kind) {
     case CommandKind::kernel:
-      return placement.kernel(id, device, s.name, names[s.name], s.compute_units, ready, s.demand);
+      return placement.kernel(id, device, s.name, names[s.name], s.compute_units, ready,
+                              placement.prepare(device, s.demand));
     case CommandKind::write:
       return placement.transfer(id, device, s.node, true, false, ready, s.bytes);
     case CommandKind::read:
@@ -148,7 +149,7 @@ Placed Timeline::Impl::placed(NodeId id, const Spec& s, Ns ready) {
       return placement.transfer(id, device, s.node, true, true, ready, s.bytes);
     case CommandKind::copy:
     case CommandKind::fill:
-      return placement.inside(id, device, ready, s.demand);
+      return placement.inside(id, device, ready, placement.prepare_inside(device, s.demand));
     case CommandKind::load:
       return placement.load(id, device, ready, s.demand);
     default:
@@ -248,7 +249,7 @@ NodeId Timeline::Impl::host_step(ThreadId thread_id, NameId name, const Demand& 
   c.work = work;
   record_command(t, id, c);
   node(id).times.queued = node(id).times.submit = t.clock;
-  settle(id, placement.core(id, t.node, t.clock, demand), 0);
+  settle(id, placement.core(id, t.node, t.clock, placement.prepare_step(t.node, demand)), 0);
   advance(t, node(id).times.end);
   drop(id);
   return id;

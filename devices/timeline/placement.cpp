@@ -110,9 +110,8 @@ void Placement::occupy(NodeId id, EngineId engine, Ns start, Ns end) {
 /// stretched where the memory is taken, and has to fit the gap as stretched.
 Placed Placement::on_first_free(NodeId id, const EngineId* engines, std::size_t count,
                                 std::uint32_t memory, Ns ready, Ns launch, Ns busy,
-                                std::uint64_t bytes) {
+                                std::uint32_t share) {
   Bandwidth* taken = memory == kNone ? nullptr : &memories_[memory].taken;
-  const std::uint32_t share = share_in(memory, busy, bytes);
   if (share > 0) ready = taken->open_from(ready);
   Placed best{std::numeric_limits<Ns>::max(), 0};
   EngineId chosen = engines[0];
@@ -153,32 +152,70 @@ Ns Placement::cores_free(std::uint32_t node, std::uint32_t wanted, Ns ready, Ns 
   }
 }
 
+Prepared Placement::prepare(DeviceId device, const Demand& demand) const {
+  const LayoutDevice& d = layout_.devices[device];
+  if (d.type != profile::DeviceType::cpu) {
+    const Ns busy = std::max(demand.compute_ns, demand.memory_ns);
+    return {demand, busy, share_in(devices_[device].memory, busy, demand.bytes), 0};
+  }
+  const LayoutNode& host = layout_.nodes[d.node];
+  Prepared prepared{demand, 0, 0, std::clamp(demand.units, 1u, host.cores)};
+  prepared.busy = busy_on(host, prepared, prepared.cores);
+  prepared.share = share_in(d.node, prepared.busy, demand.bytes);
+  return prepared;
+}
+
+Prepared Placement::prepare_inside(DeviceId device, Demand demand) const {
+  demand.units = 1;
+  return prepare(device, demand);
+}
+
+Prepared Placement::prepare_transfer(DeviceId device, std::uint64_t bytes) const {
+  const LayoutDevice& d = layout_.devices[device];
+  if (bytes == 0) return {};
+  Prepared transfer;
+  transfer.demand.launch_ns = d.link_latency_ns;
+  transfer.demand.bytes = d.shared_memory ? 2 * bytes : 0;  // memcpy reads and writes
+  transfer.busy = duration_of(bytes, d.link_bps);
+  transfer.share = share_in(devices_[device].memory, transfer.busy, transfer.demand.bytes);
+  return transfer;
+}
+
+Prepared Placement::prepare_step(std::uint32_t node, const Demand& demand) const {
+  const Ns busy = std::max(demand.compute_ns, demand.memory_ns);
+  return {demand, busy, share_in(node, busy, demand.bytes), 1};
+}
+
+/// Time that a kernel takes on some of the cores it can use.
+Ns Placement::busy_on(const LayoutNode& host, const Prepared& command, std::uint32_t cores) const {
+  const Demand& demand = command.demand;
+  const Ns all = demand.compute_ns * command.cores;  // below 2^42 times at most 4,096
+  Ns busy = std::max((all + cores - 1) / cores, demand.memory_ns);
+  if (host.unit_memory_bps > 0) {
+    busy = std::max(busy, duration_of(demand.bytes, host.unit_memory_bps * cores));
+  }
+  return busy;
+}
+
 /// A kernel on a CPU: more cores end it sooner but may be free later; the number of cores that
 /// gives the earliest END (of equal ones the largest) is taken, the cores with the lowest numbers.
-Placed Placement::on_cores(NodeId id, DeviceId device, Ns ready, const Demand& demand) {
-  const std::uint32_t node = layout_.devices[device].node;
+Placed Placement::on_cores(NodeId id, std::uint32_t node, Ns ready, const Prepared& command) {
   const LayoutNode& host = layout_.nodes[node];
-  const std::uint32_t most = std::clamp(demand.units, 1u, host.cores);
-  const auto busy_with = [&](std::uint32_t cores) {
-    const Ns all = demand.compute_ns * most;  // below 2^42 times at most 4,096
-    Ns busy = std::max((all + cores - 1) / cores, demand.memory_ns);
-    if (host.unit_memory_bps > 0) {
-      busy = std::max(busy, duration_of(demand.bytes, host.unit_memory_bps * cores));
-    }
-    return busy;
-  };
+  const Ns launch = command.demand.launch_ns;
   Bandwidth& taken = memories_[node].taken;
   ready = taken.open_from(ready);
   Placed best{0, std::numeric_limits<Ns>::max()};
-  std::uint32_t chosen = most;
-  for (std::uint32_t cores = most; cores >= 1; --cores) {
-    const Ns busy = busy_with(cores);
-    if (ready + demand.launch_ns + busy >= best.end) break;  // fewer cores only take longer
-    const std::uint32_t share = share_in(node, busy, demand.bytes);
-    Ns start = cores_free(node, cores, ready, demand.launch_ns + busy), end = 0;
+  std::uint32_t chosen = command.cores, chosen_share = command.share;
+  for (std::uint32_t cores = command.cores; cores >= 1; --cores) {
+    const bool all = cores == command.cores;
+    const Ns busy = all ? command.busy : busy_on(host, command, cores);
+    if (ready + launch + busy >= best.end) break;  // fewer cores only take longer
+    const std::uint32_t share =
+        all ? command.share : share_in(node, busy, command.demand.bytes);
+    Ns start = cores_free(node, cores, ready, launch + busy), end = 0;
     for (bool fits = false; !fits;) {
-      end = taken.stretched_end(start + demand.launch_ns, busy, share);
-      if (end == start + demand.launch_ns + busy) break;  // as cores_free was asked for
+      end = taken.stretched_end(start + launch, busy, share);
+      if (end == start + launch + busy) break;  // as cores_free was asked for
       const Ns next = cores_free(node, cores, start, end - start);
       fits = next == start;
       start = next;
@@ -186,47 +223,79 @@ Placed Placement::on_cores(NodeId id, DeviceId device, Ns ready, const Demand& d
     if (end < best.end) {
       best = {start, end};
       chosen = cores;
+      chosen_share = share;
     }
   }
-  const std::uint32_t share = share_in(node, busy_with(chosen), demand.bytes);
   for (std::uint32_t c = 0, left = chosen; c < host.cores && left > 0; ++c) {
     const EngineId engine = cores_[node][c];
     if (busy_[engine].first_fit(best.start, best.end - best.start) != best.start) continue;
     occupy(id, engine, best.start, best.end);
     --left;
   }
-  taken.reserve(best.start + demand.launch_ns, best.end, share);
+  taken.reserve(best.start + launch, best.end, chosen_share);
   return best;
 }
 
 Placed Placement::kernel(NodeId id, DeviceId device, NameId circuit_name, const std::string& name,
-                         std::uint32_t compute_units, Ns ready, const Demand& demand) {
+                         std::uint32_t compute_units, Ns ready, const Prepared& kernel) {
   const DeviceEngines& e = devices_[device];
-  const Ns busy = std::max(demand.compute_ns, demand.memory_ns);
+  const Ns launch = kernel.demand.launch_ns;
   switch (layout_.devices[device].type) {
     case profile::DeviceType::cpu:
-      return on_cores(id, device, ready, demand);
+      return on_cores(id, layout_.devices[device].node, ready, kernel);
     case profile::DeviceType::gpu:
-      return on_first_free(id, &e.compute, 1, e.memory, ready, demand.launch_ns, busy,
-                           demand.bytes);
+      return on_first_free(id, &e.compute, 1, e.memory, ready, launch, kernel.busy, kernel.share);
     case profile::DeviceType::fpga:
       break;
   }
   const auto& engines = circuit(device, circuit_name, name, compute_units);
-  return on_first_free(id, engines.data(), engines.size(), e.memory, ready, demand.launch_ns, busy,
-                       demand.bytes);
+  return on_first_free(id, engines.data(), engines.size(), e.memory, ready, launch, kernel.busy,
+                       kernel.share);
 }
 
-Placed Placement::inside(NodeId id, DeviceId device, Ns ready, const Demand& demand) {
+Placed Placement::inside(NodeId id, DeviceId device, Ns ready, const Prepared& command) {
   const DeviceEngines& e = devices_[device];
-  const Ns busy = std::max(demand.compute_ns, demand.memory_ns);
   if (layout_.devices[device].type == profile::DeviceType::cpu) {
-    Demand alone = demand;
-    alone.units = 1;
-    return on_cores(id, device, ready, alone);
+    return on_cores(id, layout_.devices[device].node, ready, command);
   }
   const EngineId engine = e.compute != kNone ? e.compute : e.copies;
-  return on_first_free(id, &engine, 1, e.memory, ready, demand.launch_ns, busy, demand.bytes);
+  return on_first_free(id, &engine, 1, e.memory, ready, command.demand.launch_ns, command.busy,
+                       command.share);
+}
+
+bool Placement::append(DeviceId device, Ns ready, std::span<const Prepared> commands, Ns& end) {
+  const LayoutDevice& d = layout_.devices[device];
+  if (d.type == profile::DeviceType::cpu) return append_on_cores(d.node, ready, commands, end);
+  const EngineId engine = devices_[device].compute;
+  Ns start = 0;
+  if (engine == kNone || !busy_[engine].unbroken_from(ready, start)) return false;
+  end = start;
+  for (const Prepared& command : commands) end += command.alone();
+  occupy(0, engine, start, end);
+  return true;
+}
+
+/// Kernels that use all cores, and memory that is idle: no smaller number of cores ends one sooner,
+/// and nothing stretches it.
+bool Placement::append_on_cores(std::uint32_t node, Ns ready, std::span<const Prepared> commands,
+                                Ns& end) {
+  const auto& cores = cores_[node];
+  Bandwidth& taken = memories_[node].taken;
+  ready = taken.open_from(ready);
+  Ns start = 0;
+  for (std::size_t c = 0; c < cores.size(); ++c) {
+    Ns own = 0;
+    if (!busy_[cores[c]].unbroken_from(ready, own) || (c > 0 && own != start)) return false;
+    start = own;
+  }
+  if (!taken.idle_from(start)) return false;
+  end = start;
+  for (const Prepared& command : commands) {
+    taken.reserve(end + command.demand.launch_ns, end + command.alone(), command.share);
+    end += command.alone();
+  }
+  for (const EngineId core : cores) occupy(0, core, start, end);
+  return true;
 }
 
 Placed Placement::load(NodeId id, DeviceId device, Ns ready, const Demand& demand) {
@@ -253,8 +322,6 @@ Placed Placement::load(NodeId id, DeviceId device, Ns ready, const Demand& deman
 Placed Placement::transfer(NodeId id, DeviceId device, std::uint32_t node, bool to_device,
                            bool maps, Ns ready, std::uint64_t bytes) {
   const LayoutDevice& d = layout_.devices[device];
-  const DeviceEngines& e = devices_[device];
-  const EngineId engine = to_device ? e.to_device : e.from_device;
   if (bytes == 0) return {ready, ready};
   if (node != d.node && d.shared_memory) {
     // Received straight into, or sent straight from, the memory that host and device share.
@@ -262,12 +329,10 @@ Placed Placement::transfer(NodeId id, DeviceId device, std::uint32_t node, bool 
                      : network(id, d.node, node, ready, bytes);
   }
   const auto local = [&](Ns from) {
-    if (d.shared_memory && maps) {
-      return on_first_free(id, &engine, 1, kNone, from, d.link_latency_ns, 0, 0);
-    }
-    const std::uint64_t traffic = d.shared_memory ? 2 * bytes : 0;  // memcpy reads and writes
-    return on_first_free(id, &engine, 1, e.memory, from, d.link_latency_ns,
-                         duration_of(bytes, d.link_bps), traffic);
+    Prepared transfer;
+    transfer.demand.launch_ns = d.link_latency_ns;
+    if (!d.shared_memory || !maps) transfer = prepare_transfer(device, bytes);
+    return local_transfer(id, device, to_device, from, transfer);
   };
   if (node == d.node) return local(ready);
   if (to_device) {
@@ -276,6 +341,14 @@ Placed Placement::transfer(NodeId id, DeviceId device, std::uint32_t node, bool 
   }
   const Placed first = local(ready);
   return {first.start, network(id, d.node, node, first.end, bytes).end};
+}
+
+Placed Placement::local_transfer(NodeId id, DeviceId device, bool to_device, Ns ready,
+                                 const Prepared& transfer) {
+  const DeviceEngines& e = devices_[device];
+  const EngineId engine = to_device ? e.to_device : e.from_device;
+  return on_first_free(id, &engine, 1, transfer.share > 0 ? e.memory : kNone, ready,
+                       transfer.demand.launch_ns, transfer.busy, transfer.share);
 }
 
 Placed Placement::network(NodeId id, std::uint32_t from, std::uint32_t to, Ns ready,
@@ -303,10 +376,10 @@ Ns Placement::latency(std::uint32_t from, std::uint32_t to) const {
   return 0;
 }
 
-Placed Placement::core(NodeId id, std::uint32_t node, Ns ready, const Demand& demand) {
+Placed Placement::core(NodeId id, std::uint32_t node, Ns ready, const Prepared& step) {
   const auto& cores = cores_[node];
-  return on_first_free(id, cores.data(), cores.size(), node, ready, demand.launch_ns,
-                       std::max(demand.compute_ns, demand.memory_ns), demand.bytes);
+  return on_first_free(id, cores.data(), cores.size(), node, ready, step.demand.launch_ns,
+                       step.busy, step.share);
 }
 
 }  // namespace partita::timeline

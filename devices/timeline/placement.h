@@ -4,6 +4,7 @@
 #ifndef PARTITA_DEVICES_TIMELINE_PLACEMENT_H
 #define PARTITA_DEVICES_TIMELINE_PLACEMENT_H
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,26 +18,51 @@ struct Placed {
   Ns start = 0, end = 0;
 };
 
+/// A demand and what follows from it on its device, once for all times that it is placed.
+struct Prepared {
+  Demand demand;
+  Ns busy = 0;              ///< after the launch, alone, on all the cores it can use
+  std::uint32_t share = 0;  ///< of its memory's bandwidth meanwhile, in parts of Bandwidth::kWhole
+  std::uint32_t cores = 0;  ///< CPU: that it can use
+  Ns alone() const { return demand.launch_ns + busy; }
+};
+
 class Placement {
  public:
   Placement(const Layout& layout, std::vector<Occupation>* sink);
 
+  /// Of a kernel.
+  Prepared prepare(DeviceId device, const Demand& demand) const;
+  /// Of a copy or fill inside the device's memory: one unit, whatever the demand says.
+  Prepared prepare_inside(DeviceId device, Demand demand) const;
+  /// Of `bytes` between the device and the host of its node.
+  Prepared prepare_transfer(DeviceId device, std::uint64_t bytes) const;
+  /// Of a host step.
+  Prepared prepare_step(std::uint32_t node, const Demand& demand) const;
+
   /// A kernel: on a GPU's compute engine; on an FPGA the first free of the `compute_units`
   /// circuits that `circuit` names; on a CPU as many of at most demand.units cores as end it first.
   Placed kernel(NodeId id, DeviceId device, NameId circuit, const std::string& name,
-                std::uint32_t compute_units, Ns ready, const Demand& demand);
+                std::uint32_t compute_units, Ns ready, const Prepared& kernel);
   /// A copy or fill inside the device's memory.
-  Placed inside(NodeId id, DeviceId device, Ns ready, const Demand& demand);
+  Placed inside(NodeId id, DeviceId device, Ns ready, const Prepared& command);
+  /// Kernels, copies and fills that follow each other at once, the first from `ready` on, on a
+  /// device whose memory nobody waits for. False, and nothing is placed, where a gap between other
+  /// commands may have to be looked at: then they are placed one by one. `end`: of the last.
+  bool append(DeviceId device, Ns ready, std::span<const Prepared> commands, Ns& end);
   /// All engines of the device, idle; circuits that appear later start after it.
   Placed load(NodeId id, DeviceId device, Ns ready, const Demand& demand);
   /// `bytes` between a node and a device, over the network where they are on different nodes.
   /// `maps`: nothing moves if host and device share the memory.
   Placed transfer(NodeId id, DeviceId device, std::uint32_t node, bool to_device, bool maps,
                   Ns ready, std::uint64_t bytes);
+  /// Between the device and the host of its node.
+  Placed local_transfer(NodeId id, DeviceId device, bool to_device, Ns ready,
+                        const Prepared& transfer);
   /// `bytes` from node to node; free on the same one.
   Placed network(NodeId id, std::uint32_t from, std::uint32_t to, Ns ready, std::uint64_t bytes);
   /// A host step on the first free core.
-  Placed core(NodeId id, std::uint32_t node, Ns ready, const Demand& demand);
+  Placed core(NodeId id, std::uint32_t node, Ns ready, const Prepared& step);
 
   /// Latency of the network between two nodes; 0 on the same one.
   Ns latency(std::uint32_t from, std::uint32_t to) const;
@@ -75,8 +101,10 @@ class Placement {
                                        std::uint32_t count);
   std::uint32_t share_in(std::uint32_t memory, Ns busy, std::uint64_t bytes) const;
   Placed on_first_free(NodeId id, const EngineId* engines, std::size_t count, std::uint32_t memory,
-                       Ns ready, Ns launch, Ns busy, std::uint64_t bytes);
-  Placed on_cores(NodeId id, DeviceId device, Ns ready, const Demand& demand);
+                       Ns ready, Ns launch, Ns busy, std::uint32_t share);
+  Placed on_cores(NodeId id, std::uint32_t node, Ns ready, const Prepared& command);
+  bool append_on_cores(std::uint32_t node, Ns ready, std::span<const Prepared> commands, Ns& end);
+  Ns busy_on(const LayoutNode& host, const Prepared& command, std::uint32_t cores) const;
   Ns cores_free(std::uint32_t node, std::uint32_t wanted, Ns ready, Ns duration);
   void occupy(NodeId id, EngineId engine, Ns start, Ns end);
 
