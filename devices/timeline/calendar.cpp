@@ -26,9 +26,7 @@ std::vector<BusyTimes::Interval>::const_iterator BusyTimes::first_ending_after(N
   return upper_bound_from_back(busy_, time, [](Ns t, const Interval& i) { return t < i.end; });
 }
 
-Ns BusyTimes::first_fit(Ns ready, Ns duration) const {
-  Ns start = std::max(ready, floor_);
-  if (busy_.empty() || start >= busy_.back().end) return start;
+Ns BusyTimes::first_gap(Ns start, Ns duration) const {
   for (auto it = first_ending_after(start); it != busy_.end(); ++it) {
     if (start <= it->start && it->start - start >= duration) return start;
     start = it->end;
@@ -36,16 +34,11 @@ Ns BusyTimes::first_fit(Ns ready, Ns duration) const {
   return start;
 }
 
-void BusyTimes::reserve(Ns start, Ns end) {
-  if (start >= end) return;
+void BusyTimes::insert(Ns start, Ns end) {
   if (start < floor_) throw std::logic_error("timeline: a reservation in the closed past");
   if (busy_.empty() || start > busy_.back().end) {
     busy_.push_back({start, end});
     if (busy_.size() > kMaxGaps) close_before(busy_[busy_.size() / 2].start);
-    return;
-  }
-  if (start == busy_.back().end) {
-    busy_.back().end = end;
     return;
   }
   const auto next = busy_.begin() + (first_ending_after(start) - busy_.begin());
@@ -88,8 +81,7 @@ std::uint32_t Bandwidth::used(Ns time) const {
   return steps_[step_at(time)].used;
 }
 
-Ns Bandwidth::stretched_end(Ns start, Ns busy, std::uint32_t share) const {
-  if (steps_.empty() || share == 0 || start >= steps_.back().from) return start + busy;
+Ns Bandwidth::stretched(Ns start, Ns busy, std::uint32_t share) const {
   Ns now = start;
   std::uint64_t left = busy * share;  // share x ns; busy < 2^42 and share <= 2^20
   std::size_t i = now < steps_.front().from ? 0 : step_at(now) + 1;  // the step after `now`

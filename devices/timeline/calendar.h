@@ -16,8 +16,11 @@ inline constexpr std::size_t kMaxGaps = 1024;
 /// The busy intervals of one engine; intervals that touch are merged.
 class BusyTimes {
  public:
-  /// The earliest start >= ready of a free stretch of `duration`.
-  Ns first_fit(Ns ready, Ns duration) const;
+  /// The earliest start >= ready of a free stretch of `duration`. Mostly nothing is taken later.
+  Ns first_fit(Ns ready, Ns duration) const {
+    const Ns start = ready < floor_ ? floor_ : ready;
+    return busy_.empty() || start >= busy_.back().end ? start : first_gap(start, duration);
+  }
   /// Whether nothing but one unbroken stretch, or nothing, is taken from `ready` on; then `start` is
   /// when it is over.
   bool unbroken_from(Ns ready, Ns& start) const {
@@ -28,7 +31,14 @@ class BusyTimes {
     return unbroken;
   }
   /// Throws std::logic_error if any of [start, end) is taken: an engine does one thing at a time.
-  void reserve(Ns start, Ns end);
+  void reserve(Ns start, Ns end) {
+    if (start >= end) return;
+    if (!busy_.empty() && start == busy_.back().end) {
+      busy_.back().end = end;
+    } else {
+      insert(start, end);
+    }
+  }
   void clear();
   /// Nothing may start before `time` any more.
   void close_before(Ns time);
@@ -37,6 +47,8 @@ class BusyTimes {
   struct Interval {
     Ns start, end;
   };
+  Ns first_gap(Ns start, Ns duration) const;
+  void insert(Ns start, Ns end);
   std::vector<Interval>::const_iterator first_ending_after(Ns time) const;
 
   std::vector<Interval> busy_;
@@ -53,7 +65,9 @@ class Bandwidth {
   Ns open_from(Ns ready) const { return ready < floor_ ? floor_ : ready; }
   /// END of a command that starts at `start`, needs `busy` ns alone and then draws `share`.
   /// Integers throughout: `busy` x `share` is what it has to draw, to the unit.
-  Ns stretched_end(Ns start, Ns busy, std::uint32_t share) const;
+  Ns stretched_end(Ns start, Ns busy, std::uint32_t share) const {
+    return idle_from(start) || share == 0 ? start + busy : stretched(start, busy, share);
+  }
   /// Takes min(share, what is left) over [start, end). Throws std::logic_error above the whole.
   void reserve(Ns start, Ns end, std::uint32_t share);
   void clear();
@@ -67,6 +81,7 @@ class Bandwidth {
     Ns from;
     std::uint32_t used;  ///< until the next step; the last one is 0 for ever
   };
+  Ns stretched(Ns start, Ns busy, std::uint32_t share) const;
   std::size_t step_at(Ns time) const;  ///< index of the step that holds `time`; steps not empty
   std::size_t split(Ns time);          ///< makes a step begin at `time`
   void append(Ns start, Ns end, std::uint32_t share);

@@ -136,6 +136,21 @@ Placed Placement::on_first_free(NodeId id, const EngineId* engines, std::size_t 
   return best;
 }
 
+/// When each of the node's cores is free for good, from `ready` on; also in ascending order. False
+/// if one of them has a gap before that.
+bool Placement::cores_unbroken(std::uint32_t node, Ns ready) {
+  const auto& cores = cores_[node];
+  free_.resize(cores.size());
+  starts_.resize(cores.size());
+  for (std::size_t c = 0; c < cores.size(); ++c) {
+    if (!busy_[cores[c]].unbroken_from(ready, free_[c])) return false;
+    std::size_t place = c;
+    for (; place > 0 && starts_[place - 1] > free_[c]; --place) starts_[place] = starts_[place - 1];
+    starts_[place] = free_[c];
+  }
+  return true;
+}
+
 /// The earliest time >= ready at which `wanted` of the node's cores are free for `duration`.
 Ns Placement::cores_free(std::uint32_t node, std::uint32_t wanted, Ns ready, Ns duration) {
   const auto& cores = cores_[node];
@@ -204,6 +219,8 @@ Placed Placement::on_cores(NodeId id, std::uint32_t node, Ns ready, const Prepar
   const Ns launch = command.demand.launch_ns;
   Bandwidth& taken = memories_[node].taken;
   ready = taken.open_from(ready);
+  // Mostly the cores have no gaps: what is free from some time on is free for any duration.
+  const bool unbroken = cores_unbroken(node, ready);
   Placed best{0, std::numeric_limits<Ns>::max()};
   std::uint32_t chosen = command.cores, chosen_share = command.share;
   for (std::uint32_t cores = command.cores; cores >= 1; --cores) {
@@ -212,10 +229,11 @@ Placed Placement::on_cores(NodeId id, std::uint32_t node, Ns ready, const Prepar
     if (ready + launch + busy >= best.end) break;  // fewer cores only take longer
     const std::uint32_t share =
         all ? command.share : share_in(node, busy, command.demand.bytes);
-    Ns start = cores_free(node, cores, ready, launch + busy), end = 0;
+    Ns start = unbroken ? starts_[cores - 1] : cores_free(node, cores, ready, launch + busy);
+    Ns end = 0;
     for (bool fits = false; !fits;) {
       end = taken.stretched_end(start + launch, busy, share);
-      if (end == start + launch + busy) break;  // as cores_free was asked for
+      if (unbroken || end == start + launch + busy) break;  // as cores_free was asked for
       const Ns next = cores_free(node, cores, start, end - start);
       fits = next == start;
       start = next;
@@ -228,7 +246,10 @@ Placed Placement::on_cores(NodeId id, std::uint32_t node, Ns ready, const Prepar
   }
   for (std::uint32_t c = 0, left = chosen; c < host.cores && left > 0; ++c) {
     const EngineId engine = cores_[node][c];
-    if (busy_[engine].first_fit(best.start, best.end - best.start) != best.start) continue;
+    const bool free = unbroken ? free_[c] <= best.start
+                               : busy_[engine].first_fit(best.start, best.end - best.start) ==
+                                     best.start;
+    if (!free) continue;
     occupy(id, engine, best.start, best.end);
     --left;
   }

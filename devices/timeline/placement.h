@@ -105,6 +105,7 @@ class Placement {
   Placed on_cores(NodeId id, std::uint32_t node, Ns ready, const Prepared& command);
   bool append_on_cores(std::uint32_t node, Ns ready, std::span<const Prepared> commands, Ns& end);
   Ns busy_on(const LayoutNode& host, const Prepared& command, std::uint32_t cores) const;
+  bool cores_unbroken(std::uint32_t node, Ns ready);
   Ns cores_free(std::uint32_t node, std::uint32_t wanted, Ns ready, Ns duration);
   void occupy(NodeId id, EngineId engine, Ns start, Ns end);
 
@@ -114,7 +115,7 @@ class Placement {
   std::vector<BusyTimes> busy_;               ///< by EngineId
   std::vector<Ns> worked_;                      ///< by EngineId
   std::vector<std::vector<EngineId>> cores_;  ///< by node
-  std::vector<Ns> starts_;                    ///< of cores_free, kept to save an allocation
+  std::vector<Ns> starts_, free_;             ///< of cores_free, kept to save an allocation
   std::vector<EngineId> networks_;            ///< by link: a to b; the next engine is b to a
   std::vector<DeviceEngines> devices_;
   std::vector<Memory> memories_;  ///< one per node, then one per device that needs its own
