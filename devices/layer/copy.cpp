@@ -1,6 +1,7 @@
 // Copies and fills inside a device's memory, and migration over its link.
 #include "devices/layer/calls.h"
 #include "devices/layer/commands.h"
+#include "devices/layer/handles.h"
 #include "devices/layer/memory.h"
 
 namespace partita::layer {
@@ -55,6 +56,7 @@ timeline::Command migration(cl_uint count, const cl_mem* mems, cl_mem_migration_
 cl_int CL_API_CALL migrate(cl_command_queue queue, cl_uint count, const cl_mem* mems,
                            cl_mem_migration_flags flags, cl_uint wait_count, const cl_event* waits,
                            cl_event* event) {
+  if (mems && !valid_handles(count, mems)) return CL_INVALID_MEM_OBJECT;
   return enqueue(
       {queue, wait_count, waits, event, false}, migration(count, mems, flags), [&](cl_event* e) {
         return target().clEnqueueMigrateMemObjects(queue, count, mems, flags, wait_count, waits, e);

@@ -45,12 +45,12 @@ cl_int enqueue_on(const Queue& queue, const Enqueue& e, const timeline::Command&
   return error == CL_SUCCESS ? after_command(queue, e, command, event) : error;
 }
 
-/// The same from the queue's handle; an unknown one is the driver's to refuse.
+/// The same from the queue's handle.
 template <typename Call>
 cl_int enqueue(const Enqueue& e, const timeline::Command& command, Call&& call) {
   return guarded([&]() -> cl_int {
     const auto queue = find_queue(e.queue);
-    return queue ? enqueue_on(*queue, e, command, call) : call(e.event);
+    return queue ? enqueue_on(*queue, e, command, call) : CL_INVALID_COMMAND_QUEUE;
   });
 }
 

@@ -132,11 +132,13 @@ cl_int CL_API_CALL enqueue_nd_range(cl_command_queue queue_handle, cl_kernel han
       queue = state().queues.find(queue_handle);
       kernel = state().kernels.find(handle);
     }
-    // What OpenCL leaves to the driver: unknown objects, and launches of nothing.
+    if (!queue) return CL_INVALID_COMMAND_QUEUE;
+    if (!kernel) return CL_INVALID_KERNEL;
+    // What OpenCL leaves to the driver: launches of nothing.
     const bool plain = dimensions >= 1 && dimensions <= 3 && global &&
                        std::count(global, global + dimensions, std::size_t{0}) == 0;
     const Enqueue e{queue_handle, wait_count, waits, event, false};
-    if (queue && kernel && plain) {
+    if (plain) {
       return launch(e, *queue, handle, *kernel, dimensions, offset, global, local);
     }
     timeline::Command nothing;

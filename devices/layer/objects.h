@@ -119,6 +119,11 @@ struct Memory {
   std::vector<Mapping> mappings;
 };
 
+struct Sampler {
+  explicit Sampler(std::shared_ptr<Context> made_in) : context(std::move(made_in)) {}
+  std::shared_ptr<Context> context;
+};
+
 /// An event of the program. A command without one is known to the timeline alone.
 struct Event {
   timeline::NodeId node = timeline::kNone;
