@@ -64,7 +64,8 @@ struct Program {
   std::optional<RefusedBuild> refused;
   bool keeps_arg_info = false;  ///< built with -cl-kernel-arg-info by the program's own wish
   std::shared_ptr<LoadedContainer> container;
-  std::string container_bytes;                  ///< what CL_PROGRAM_BINARIES gives back
+  std::string container_bytes;  ///< what CL_PROGRAM_BINARIES gives back
+  std::string loaded;  ///< the driver's binary that it was made from, until a build makes another
   std::atomic<std::uint32_t> builds{0};         ///< estimates are of one build
   std::shared_ptr<const std::string> unlinked;  ///< estimates read it: the source, only compiled
   std::uint32_t unlinked_build = 0;             ///< the build whose source and options that was

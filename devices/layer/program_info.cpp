@@ -40,7 +40,8 @@ std::vector<std::string> binaries(cl_program handle, const Program& program) {
     list.assign(program.devices.size(), program.container_bytes);
     return list;
   }
-  const std::string payload = program.refused ? std::string() : driver_binary(handle);
+  std::string payload = program.refused ? std::string() : driver_binary(handle);
+  if (payload.empty() && !program.refused) payload = program.loaded;
   for (const Device* d : program.devices) {
     list.push_back(payload.empty()
                        ? std::string()
