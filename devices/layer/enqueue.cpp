@@ -83,9 +83,10 @@ cl_int after_command(const Queue& queue, const Enqueue& e, timeline::Command com
   {
     const Lock lock(s.mutex);
     const WaitNodes waits(e.wait_count, e.waits);
-    command.queue = queue.id;
-    command.waits = waits.nodes();
     thread = current_thread();
+    const Moves moves(queue, thread, e.uses, waits.nodes());
+    command.queue = queue.id;
+    command.waits = moves.waits();
     node = s.timeline->enqueue(thread, command);
     if (e.event) s.events[event] = Event{node, 1, false, queue.profiling()};
     if (e.event && keep) s.timeline->retain(node);

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "devices/layer/call.h"
+#include "devices/layer/residence.h"
 
 namespace partita::layer {
 
@@ -15,6 +16,7 @@ struct Enqueue {
   const cl_event* waits = nullptr;
   cl_event* event = nullptr;  ///< where the program wants one
   bool blocking = false;
+  std::span<const MemoryUse> uses = {};  ///< what may have to be moved from another device first
 };
 
 std::shared_ptr<Queue> find_queue(cl_command_queue handle);

@@ -144,7 +144,7 @@ cl_int CL_API_CALL get_supported_formats(cl_context handle, cl_mem_flags flags,
   return guarded([&]() -> cl_int {
     const auto context = known_context(handle);
     // No device reads and writes an image in one kernel (CL_DEVICE_MAX_READ_WRITE_IMAGE_ARGS is 0).
-    const bool none = context && (!has_images(*context) || (flags & CL_MEM_KERNEL_READ_AND_WRITE));
+    const bool none = context && (!has_images(*context) || flags == CL_MEM_KERNEL_READ_AND_WRITE);
     if (!none) {
       return target().clGetSupportedImageFormats(handle, flags, type, count, formats, count_ret);
     }

@@ -38,7 +38,16 @@ std::vector<KernelArg> read_args(cl_kernel handle) {
     cl_kernel_arg_address_qualifier where = CL_KERNEL_ARG_ADDRESS_PRIVATE;
     target().clGetKernelArgInfo(handle, i, CL_KERNEL_ARG_ADDRESS_QUALIFIER, sizeof where, &where,
                                 nullptr);
+    cl_kernel_arg_type_qualifier type = CL_KERNEL_ARG_TYPE_NONE;
+    cl_kernel_arg_access_qualifier access = CL_KERNEL_ARG_ACCESS_NONE;
+    target().clGetKernelArgInfo(handle, i, CL_KERNEL_ARG_TYPE_QUALIFIER, sizeof type, &type,
+                                nullptr);
+    target().clGetKernelArgInfo(handle, i, CL_KERNEL_ARG_ACCESS_QUALIFIER, sizeof access, &access,
+                                nullptr);
     args[i].local = where == CL_KERNEL_ARG_ADDRESS_LOCAL;
+    args[i].constant = where == CL_KERNEL_ARG_ADDRESS_CONSTANT ||
+                       access == CL_KERNEL_ARG_ACCESS_READ_ONLY ||
+                       (type & CL_KERNEL_ARG_TYPE_CONST) != 0;
     args[i].buffer =
         where == CL_KERNEL_ARG_ADDRESS_GLOBAL || where == CL_KERNEL_ARG_ADDRESS_CONSTANT;
   }

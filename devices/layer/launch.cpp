@@ -114,7 +114,10 @@ cl_int launch(const Enqueue& e, const Queue& queue, cl_kernel handle, Kernel& ke
   if (kernel.circuit) {
     command.compute_units = std::clamp(kernel.circuit->design.compute_units, 1u, 64u);
   }
-  return enqueue_on(queue, e, command, [&](cl_event* event) {
+  const std::vector<MemoryUse> uses = uses_of(kernel, queue);
+  Enqueue placed = e;
+  placed.uses = uses;
+  return enqueue_on(queue, placed, command, [&](cl_event* event) {
     return target().clEnqueueNDRangeKernel(e.queue, handle, dimensions, offset, global,
                                            local.data(), e.wait_count, e.waits, event);
   });

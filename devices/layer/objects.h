@@ -81,6 +81,7 @@ struct ItemEstimate {
 
 struct KernelArg {
   bool local = false, buffer = false;
+  bool constant = false;          ///< a buffer or image that the kernel does not write
   std::uint64_t local_bytes = 0;  ///< of the last clSetKernelArg
   cl_mem memory = nullptr;        ///< the same; bounds an estimate's unique bytes
 };
@@ -117,6 +118,7 @@ struct Memory {
   std::uint64_t bytes = 0;
   std::uint64_t element_bytes = 1;  ///< images: of a pixel
   std::vector<Device*> charged;     ///< devices whose memory it takes
+  Device* home = nullptr;           ///< has the contents alone; null: no device is ahead
   std::vector<Mapping> mappings;
 };
 
