@@ -31,22 +31,6 @@ EstimateFn plugin() {
   return function;
 }
 
-std::string driver_binary(cl_program program) {
-  std::size_t size = 0;
-  if (target().clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof size, &size, nullptr) !=
-          CL_SUCCESS ||
-      size == 0) {
-    return {};
-  }
-  std::string binary(size, '\0');
-  char* pointer = binary.data();
-  if (target().clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof pointer, &pointer, nullptr) !=
-      CL_SUCCESS) {
-    return {};
-  }
-  return binary;
-}
-
 /// The source, compiled and not linked. Before it gives out the binary of a built program, PoCL
 /// compiles all its kernels to machine code: seconds, for kernels that may never be launched.
 std::string compile_alone(cl_kernel handle, const Program& program, const std::string& given) {
@@ -63,7 +47,8 @@ std::string compile_alone(cl_kernel handle, const Program& program, const std::s
   return binary;
 }
 
-/// The same once for each build of the program; empty if it was not built from source.
+/// The same once for each build of the program, and a linked program's library; empty if it was
+/// made of something else.
 std::shared_ptr<const std::string> unlinked_binary(cl_kernel handle, Program& program) {
   std::string options;
   std::uint32_t build = 0;

@@ -66,9 +66,10 @@ struct Program {
   std::shared_ptr<LoadedContainer> container;
   std::string container_bytes;  ///< what CL_PROGRAM_BINARIES gives back
   std::string loaded;  ///< the driver's binary that it was made from, until a build makes another
-  std::atomic<std::uint32_t> builds{0};         ///< estimates are of one build
-  std::shared_ptr<const std::string> unlinked;  ///< estimates read it: the source, only compiled
-  std::uint32_t unlinked_build = 0;             ///< the build whose source and options that was
+  std::atomic<std::uint32_t> builds{0};  ///< estimates are of one build
+  std::shared_ptr<const std::string>
+      unlinked;                      ///< estimates read it: code without kernels' machine code
+  std::uint32_t unlinked_build = 0;  ///< the build whose source and options that was
 
   bool from_container() const { return container != nullptr; }
 };

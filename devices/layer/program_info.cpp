@@ -8,9 +8,7 @@
 #include "devices/layer/program_binary.h"
 
 namespace partita::layer {
-namespace {
 
-/// The driver's binary; empty if there is none yet.
 std::string driver_binary(cl_program handle) {
   std::size_t bytes = 0;
   if (target().clGetProgramInfo(handle, CL_PROGRAM_BINARY_SIZES, 0, nullptr, &bytes) !=
@@ -32,6 +30,8 @@ std::string driver_binary(cl_program handle) {
   }
   return binary;
 }
+
+namespace {
 
 /// One binary for each of the program's devices.
 std::vector<std::string> binaries(cl_program handle, const Program& program) {
