@@ -4,6 +4,7 @@
 
 #include "devices/layer/call.h"
 #include "devices/layer/calls.h"
+#include "devices/layer/handles.h"
 #include "devices/layer/program.h"
 
 namespace partita::layer {
@@ -119,10 +120,24 @@ cl_kernel CL_API_CALL clone_kernel(cl_kernel source, cl_int* errcode_ret) {
   });
 }
 
+/// Null is a buffer, a handle of another kind is none.
+cl_int check_memory_arg(cl_kernel handle, cl_uint index, const void* value) {
+  const Lock lock(state().mutex);
+  const auto kernel = state().kernels.find(handle);
+  if (!kernel || index >= kernel->args.size() || !kernel->args[index].buffer) return CL_SUCCESS;
+  cl_mem memory = nullptr;
+  std::memcpy(&memory, value, sizeof memory);
+  return memory ? check_handle(memory) : CL_SUCCESS;
+}
+
 cl_int CL_API_CALL set_kernel_arg(cl_kernel handle, cl_uint index, std::size_t size,
                                   const void* value) {
-  const cl_int error = target().clSetKernelArg(handle, index, size, value);
   const bool could_be_buffer = value && size == sizeof(cl_mem);
+  if (could_be_buffer) {
+    const cl_int wrong = guarded([&] { return check_memory_arg(handle, index, value); });
+    if (wrong != CL_SUCCESS) return wrong;
+  }
+  const cl_int error = target().clSetKernelArg(handle, index, size, value);
   if (error != CL_SUCCESS || (value && !could_be_buffer)) return error;
   return guarded([&]() -> cl_int {
     const Lock lock(state().mutex);

@@ -97,6 +97,19 @@ TEST(Handles, OfMemory) {
                   }});
 }
 
+TEST(Handles, InKernelArguments) {
+  const Handles h;
+  const auto set = [&](void* handle) {
+    return cl.clSetKernelArg(h.kernel, 0, sizeof handle, &handle);
+  };
+  EXPECT_EQ(set(nullptr), CL_SUCCESS) << "a null buffer is one";
+  EXPECT_EQ(set(h.buffer), CL_SUCCESS);
+  for (void* wrong :
+       {static_cast<void*>(h.queue), static_cast<void*>(h.program), static_cast<void*>(h.device)}) {
+    EXPECT_EQ(set(wrong), CL_INVALID_MEM_OBJECT);
+  }
+}
+
 TEST(Handles, OfProgramsAndKernels) {
   const Handles h;
   expect_refused(
