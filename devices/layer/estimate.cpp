@@ -36,15 +36,16 @@ EstimateFn plugin() {
 std::string compile_alone(cl_kernel handle, const Program& program, const std::string& given) {
   cl_context context = nullptr;
   target().clGetKernelInfo(handle, CL_KERNEL_CONTEXT, sizeof context, &context, nullptr);
-  cl_int error = CL_SUCCESS;
-  const cl_program twin = create_driver_program(context, program.devices, program.source, error);
-  if (!twin) return {};
-  const BuildOptions options = build_options(given.c_str(), program.devices);
-  error = target().clCompileProgram(twin, 0, nullptr, options.text.c_str(), 0, nullptr, nullptr,
-                                    nullptr, nullptr);
-  std::string binary = error == CL_SUCCESS ? driver_binary(twin) : std::string();
-  target().clReleaseProgram(twin);
-  return binary;
+  return twin_binary([&] {
+    cl_int error = CL_SUCCESS;
+    const cl_program twin = create_driver_program(context, program.devices, program.source, error);
+    const BuildOptions options = build_options(given.c_str(), program.devices);
+    if (twin) {
+      target().clCompileProgram(twin, 0, nullptr, options.text.c_str(), 0, nullptr, nullptr,
+                                nullptr, nullptr);
+    }
+    return twin;
+  });
 }
 
 /// The same once for each build of the program, and a linked program's library; empty if it was

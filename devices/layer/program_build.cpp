@@ -98,13 +98,11 @@ cl_int CL_API_CALL compile_program(cl_program handle, cl_uint count, const cl_de
 /// The same code as a library, for estimates: the inputs may be gone when one is made.
 std::shared_ptr<const std::string> library_of(cl_context context, cl_uint inputs,
                                               const cl_program* input) {
-  cl_int error = CL_SUCCESS;
-  const cl_program library = target().clLinkProgram(context, 0, nullptr, "-create-library", inputs,
-                                                    input, nullptr, nullptr, &error);
-  if (!library) return nullptr;
-  auto binary = std::make_shared<const std::string>(driver_binary(library));
-  target().clReleaseProgram(library);
-  return binary;
+  return std::make_shared<const std::string>(twin_binary([&] {
+    cl_int error = CL_SUCCESS;
+    return target().clLinkProgram(context, 0, nullptr, "-create-library", inputs, input, nullptr,
+                                  nullptr, &error);
+  }));
 }
 
 cl_program CL_API_CALL link_program(cl_context handle, cl_uint count, const cl_device_id* list,

@@ -31,6 +31,16 @@ std::string driver_binary(cl_program handle) {
   return binary;
 }
 
+std::string twin_binary(const std::function<cl_program()>& make) {
+  static std::mutex mutex;
+  const Lock lock(mutex);
+  const cl_program twin = make();
+  if (!twin) return {};
+  std::string binary = driver_binary(twin);
+  target().clReleaseProgram(twin);
+  return binary;
+}
+
 namespace {
 
 /// One binary for each of the program's devices.
