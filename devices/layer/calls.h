@@ -19,6 +19,7 @@ void add_kernel_info_calls(cl_icd_dispatch& table);
 void add_launch_calls(cl_icd_dispatch& table);
 void add_memory_calls(cl_icd_dispatch& table);
 void add_image_calls(cl_icd_dispatch& table);
+void add_sampler_calls(cl_icd_dispatch& table);
 void add_absent_calls(cl_icd_dispatch& table);
 void add_transfer_calls(cl_icd_dispatch& table);
 void add_image_transfer_calls(cl_icd_dispatch& table);

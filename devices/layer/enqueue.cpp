@@ -4,6 +4,7 @@
 #include <array>
 
 #include "devices/layer/commands.h"
+#include "devices/layer/handles.h"
 #include "devices/layer/record.h"
 
 namespace partita::layer {
@@ -49,8 +50,8 @@ timeline::Command inside(cl_command_queue handle, timeline::CommandKind kind, st
 }
 
 cl_int check_wait_list(const Enqueue& e) {
-  const bool valid = (e.wait_count == 0) == (e.waits == nullptr) &&
-                     std::count(e.waits, e.waits + e.wait_count, nullptr) == 0;
+  if (e.wait_count == 0 && !e.waits) return CL_SUCCESS;
+  const bool valid = e.wait_count != 0 && valid_handles(e.wait_count, e.waits);
   return valid ? CL_SUCCESS : CL_INVALID_EVENT_WAIT_LIST;
 }
 
@@ -82,9 +83,10 @@ cl_int after_command(const Queue& queue, const Enqueue& e, timeline::Command com
   {
     const Lock lock(s.mutex);
     const WaitNodes waits(e.wait_count, e.waits);
-    command.queue = queue.id;
-    command.waits = waits.nodes();
     thread = current_thread();
+    const Moves moves(queue, thread, e.uses, waits.nodes());
+    command.queue = queue.id;
+    command.waits = moves.waits();
     node = s.timeline->enqueue(thread, command);
     if (e.event) s.events[event] = Event{node, 1, false, queue.profiling()};
     if (e.event && keep) s.timeline->retain(node);

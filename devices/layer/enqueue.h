@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "devices/layer/call.h"
+#include "devices/layer/residence.h"
 
 namespace partita::layer {
 
@@ -15,6 +16,7 @@ struct Enqueue {
   const cl_event* waits = nullptr;
   cl_event* event = nullptr;  ///< where the program wants one
   bool blocking = false;
+  std::span<const MemoryUse> uses = {};  ///< what may have to be moved from another device first
 };
 
 std::shared_ptr<Queue> find_queue(cl_command_queue handle);
@@ -45,12 +47,12 @@ cl_int enqueue_on(const Queue& queue, const Enqueue& e, const timeline::Command&
   return error == CL_SUCCESS ? after_command(queue, e, command, event) : error;
 }
 
-/// The same from the queue's handle; an unknown one is the driver's to refuse.
+/// The same from the queue's handle.
 template <typename Call>
 cl_int enqueue(const Enqueue& e, const timeline::Command& command, Call&& call) {
   return guarded([&]() -> cl_int {
     const auto queue = find_queue(e.queue);
-    return queue ? enqueue_on(*queue, e, command, call) : call(e.event);
+    return queue ? enqueue_on(*queue, e, command, call) : CL_INVALID_COMMAND_QUEUE;
   });
 }
 

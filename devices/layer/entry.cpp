@@ -5,6 +5,7 @@
 
 #include "devices/layer/answer.h"
 #include "devices/layer/calls.h"
+#include "devices/layer/handles.h"
 #include "devices/layer/record.h"
 #include "devices/layer/state.h"
 
@@ -27,6 +28,7 @@ void build_table() {
   add_launch_calls(layer_table);
   add_memory_calls(layer_table);
   add_image_calls(layer_table);
+  add_sampler_calls(layer_table);
   add_absent_calls(layer_table);
   add_transfer_calls(layer_table);
   add_image_transfer_calls(layer_table);
@@ -36,6 +38,7 @@ void build_table() {
   add_event_calls(layer_table);
   add_callback_calls(layer_table);
   add_extension_calls(layer_table);
+  guard_handles(layer_table);
 }
 
 }  // namespace

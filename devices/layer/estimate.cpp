@@ -31,39 +31,25 @@ EstimateFn plugin() {
   return function;
 }
 
-std::string driver_binary(cl_program program) {
-  std::size_t size = 0;
-  if (target().clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof size, &size, nullptr) !=
-          CL_SUCCESS ||
-      size == 0) {
-    return {};
-  }
-  std::string binary(size, '\0');
-  char* pointer = binary.data();
-  if (target().clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof pointer, &pointer, nullptr) !=
-      CL_SUCCESS) {
-    return {};
-  }
-  return binary;
-}
-
 /// The source, compiled and not linked. Before it gives out the binary of a built program, PoCL
 /// compiles all its kernels to machine code: seconds, for kernels that may never be launched.
 std::string compile_alone(cl_kernel handle, const Program& program, const std::string& given) {
   cl_context context = nullptr;
   target().clGetKernelInfo(handle, CL_KERNEL_CONTEXT, sizeof context, &context, nullptr);
-  cl_int error = CL_SUCCESS;
-  const cl_program twin = create_driver_program(context, program.devices, program.source, error);
-  if (!twin) return {};
-  const BuildOptions options = build_options(given.c_str(), program.devices);
-  error = target().clCompileProgram(twin, 0, nullptr, options.text.c_str(), 0, nullptr, nullptr,
-                                    nullptr, nullptr);
-  std::string binary = error == CL_SUCCESS ? driver_binary(twin) : std::string();
-  target().clReleaseProgram(twin);
-  return binary;
+  return twin_binary([&] {
+    cl_int error = CL_SUCCESS;
+    const cl_program twin = create_driver_program(context, program.devices, program.source, error);
+    const BuildOptions options = build_options(given.c_str(), program.devices);
+    if (twin) {
+      target().clCompileProgram(twin, 0, nullptr, options.text.c_str(), 0, nullptr, nullptr,
+                                nullptr, nullptr);
+    }
+    return twin;
+  });
 }
 
-/// The same once for each build of the program; empty if it was not built from source.
+/// The same once for each build of the program, and a linked program's library; empty if it was
+/// made of something else.
 std::shared_ptr<const std::string> unlinked_binary(cl_kernel handle, Program& program) {
   std::string options;
   std::uint32_t build = 0;

@@ -1,4 +1,4 @@
-// Images and samplers: refused where no device of the context has images, limited elsewhere.
+// Images: refused where no device of the context has images, limited elsewhere.
 #include <algorithm>
 
 #include "devices/layer/answer.h"
@@ -8,12 +8,13 @@
 #include "devices/layer/program.h"
 
 namespace partita::layer {
-namespace {
 
 bool has_images(const Context& context) {
   return std::any_of(context.devices.begin(), context.devices.end(),
                      [](const Device* d) { return d->cl.image_support; });
 }
+
+namespace {
 
 bool within_limits(const Device& d, const cl_image_desc& desc) {
   switch (desc.image_type) {
@@ -143,39 +144,13 @@ cl_int CL_API_CALL get_supported_formats(cl_context handle, cl_mem_flags flags,
   return guarded([&]() -> cl_int {
     const auto context = known_context(handle);
     // No device reads and writes an image in one kernel (CL_DEVICE_MAX_READ_WRITE_IMAGE_ARGS is 0).
-    const bool none = context && (!has_images(*context) || (flags & CL_MEM_KERNEL_READ_AND_WRITE));
+    const bool none = context && (!has_images(*context) || flags == CL_MEM_KERNEL_READ_AND_WRITE);
     if (!none) {
       return target().clGetSupportedImageFormats(handle, flags, type, count, formats, count_ret);
     }
     if (formats && count == 0) return CL_INVALID_VALUE;
     if (count_ret) *count_ret = 0;
     return CL_SUCCESS;
-  });
-}
-
-cl_sampler CL_API_CALL create_sampler(cl_context handle, cl_bool normalized,
-                                      cl_addressing_mode addressing, cl_filter_mode filter,
-                                      cl_int* errcode_ret) {
-  return guarded_object<cl_sampler>(errcode_ret, [&](cl_int& error) -> cl_sampler {
-    const auto context = known_context(handle);
-    if (context && !has_images(*context)) {
-      error = CL_INVALID_OPERATION;
-      return nullptr;
-    }
-    return target().clCreateSampler(handle, normalized, addressing, filter, &error);
-  });
-}
-
-cl_sampler CL_API_CALL create_sampler_with_properties(cl_context handle,
-                                                      const cl_sampler_properties* properties,
-                                                      cl_int* errcode_ret) {
-  return guarded_object<cl_sampler>(errcode_ret, [&](cl_int& error) -> cl_sampler {
-    const auto context = known_context(handle);
-    if (context && !has_images(*context)) {
-      error = CL_INVALID_OPERATION;
-      return nullptr;
-    }
-    return target().clCreateSamplerWithProperties(handle, properties, &error);
   });
 }
 
@@ -187,8 +162,6 @@ void add_image_calls(cl_icd_dispatch& table) {
   table.clCreateImage2D = create_image_2d;
   table.clCreateImage3D = create_image_3d;
   table.clGetSupportedImageFormats = get_supported_formats;
-  table.clCreateSampler = create_sampler;
-  table.clCreateSamplerWithProperties = create_sampler_with_properties;
 }
 
 }  // namespace partita::layer

@@ -32,7 +32,8 @@ cl_int CL_API_CALL write_image(cl_command_queue queue, cl_mem image, cl_bool blo
                                const std::size_t* origin, const std::size_t* region,
                                std::size_t row, std::size_t slice, const void* host,
                                cl_uint wait_count, const cl_event* waits, cl_event* event) {
-  return enqueue_image({queue, wait_count, waits, event, blocking != CL_FALSE},
+  const MemoryUse uses[] = {{image, false, true}};
+  return enqueue_image({queue, wait_count, waits, event, blocking != CL_FALSE, uses},
                        CL_COMMAND_WRITE_IMAGE,
                        moved(CommandKind::write, image_bytes(image, region)),
                        [&](cl_command_queue q, cl_uint n, const cl_event* list, cl_event* e) {
@@ -45,7 +46,8 @@ cl_int CL_API_CALL copy_image(cl_command_queue queue, cl_mem from, cl_mem to,
                               const std::size_t* from_origin, const std::size_t* to_origin,
                               const std::size_t* region, cl_uint wait_count, const cl_event* waits,
                               cl_event* event) {
-  return enqueue_image({queue, wait_count, waits, event, false}, CL_COMMAND_COPY_IMAGE,
+  const MemoryUse uses[] = {{from, true, false}, {to, false, true}};
+  return enqueue_image({queue, wait_count, waits, event, false, uses}, CL_COMMAND_COPY_IMAGE,
                        inside(queue, CommandKind::copy, image_bytes(from, region)),
                        [&](cl_command_queue q, cl_uint n, const cl_event* list, cl_event* e) {
                          return target().clEnqueueCopyImage(q, from, to, from_origin, to_origin,
@@ -57,24 +59,26 @@ cl_int CL_API_CALL copy_image_to_buffer(cl_command_queue queue, cl_mem from, cl_
                                         const std::size_t* origin, const std::size_t* region,
                                         std::size_t offset, cl_uint wait_count,
                                         const cl_event* waits, cl_event* event) {
-  return enqueue_image({queue, wait_count, waits, event, false}, CL_COMMAND_COPY_IMAGE_TO_BUFFER,
-                       inside(queue, CommandKind::copy, image_bytes(from, region)),
-                       [&](cl_command_queue q, cl_uint n, const cl_event* list, cl_event* e) {
-                         return target().clEnqueueCopyImageToBuffer(q, from, to, origin, region,
-                                                                    offset, n, list, e);
-                       });
+  const MemoryUse uses[] = {{from, true, false}, {to, false, true}};
+  return enqueue_image(
+      {queue, wait_count, waits, event, false, uses}, CL_COMMAND_COPY_IMAGE_TO_BUFFER,
+      inside(queue, CommandKind::copy, image_bytes(from, region)),
+      [&](cl_command_queue q, cl_uint n, const cl_event* list, cl_event* e) {
+        return target().clEnqueueCopyImageToBuffer(q, from, to, origin, region, offset, n, list, e);
+      });
 }
 
 cl_int CL_API_CALL copy_buffer_to_image(cl_command_queue queue, cl_mem from, cl_mem to,
                                         std::size_t offset, const std::size_t* origin,
                                         const std::size_t* region, cl_uint wait_count,
                                         const cl_event* waits, cl_event* event) {
-  return enqueue_image({queue, wait_count, waits, event, false}, CL_COMMAND_COPY_BUFFER_TO_IMAGE,
-                       inside(queue, CommandKind::copy, image_bytes(to, region)),
-                       [&](cl_command_queue q, cl_uint n, const cl_event* list, cl_event* e) {
-                         return target().clEnqueueCopyBufferToImage(q, from, to, offset, origin,
-                                                                    region, n, list, e);
-                       });
+  const MemoryUse uses[] = {{from, true, false}, {to, false, true}};
+  return enqueue_image(
+      {queue, wait_count, waits, event, false, uses}, CL_COMMAND_COPY_BUFFER_TO_IMAGE,
+      inside(queue, CommandKind::copy, image_bytes(to, region)),
+      [&](cl_command_queue q, cl_uint n, const cl_event* list, cl_event* e) {
+        return target().clEnqueueCopyBufferToImage(q, from, to, offset, origin, region, n, list, e);
+      });
 }
 
 /// XRT has no clEnqueueFillImage.
@@ -83,7 +87,8 @@ cl_int CL_API_CALL fill_image(cl_command_queue handle, cl_mem image, const void*
                               cl_uint wait_count, const cl_event* waits, cl_event* event) {
   const auto queue = find_queue(handle);
   if (queue && queue->device->is_fpga()) return CL_INVALID_OPERATION;
-  return enqueue_image({handle, wait_count, waits, event, false}, CL_COMMAND_FILL_IMAGE,
+  const MemoryUse uses[] = {{image, false, true}};
+  return enqueue_image({handle, wait_count, waits, event, false, uses}, CL_COMMAND_FILL_IMAGE,
                        inside(handle, CommandKind::fill, image_bytes(image, region)),
                        [&](cl_command_queue q, cl_uint n, const cl_event* list, cl_event* e) {
                          return target().clEnqueueFillImage(q, image, color, origin, region, n,

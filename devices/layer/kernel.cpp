@@ -4,6 +4,7 @@
 
 #include "devices/layer/call.h"
 #include "devices/layer/calls.h"
+#include "devices/layer/handles.h"
 #include "devices/layer/program.h"
 
 namespace partita::layer {
@@ -38,7 +39,16 @@ std::vector<KernelArg> read_args(cl_kernel handle) {
     cl_kernel_arg_address_qualifier where = CL_KERNEL_ARG_ADDRESS_PRIVATE;
     target().clGetKernelArgInfo(handle, i, CL_KERNEL_ARG_ADDRESS_QUALIFIER, sizeof where, &where,
                                 nullptr);
+    cl_kernel_arg_type_qualifier type = CL_KERNEL_ARG_TYPE_NONE;
+    cl_kernel_arg_access_qualifier access = CL_KERNEL_ARG_ACCESS_NONE;
+    target().clGetKernelArgInfo(handle, i, CL_KERNEL_ARG_TYPE_QUALIFIER, sizeof type, &type,
+                                nullptr);
+    target().clGetKernelArgInfo(handle, i, CL_KERNEL_ARG_ACCESS_QUALIFIER, sizeof access, &access,
+                                nullptr);
     args[i].local = where == CL_KERNEL_ARG_ADDRESS_LOCAL;
+    args[i].constant = where == CL_KERNEL_ARG_ADDRESS_CONSTANT ||
+                       access == CL_KERNEL_ARG_ACCESS_READ_ONLY ||
+                       (type & CL_KERNEL_ARG_TYPE_CONST) != 0;
     args[i].buffer =
         where == CL_KERNEL_ARG_ADDRESS_GLOBAL || where == CL_KERNEL_ARG_ADDRESS_CONSTANT;
   }
@@ -110,10 +120,24 @@ cl_kernel CL_API_CALL clone_kernel(cl_kernel source, cl_int* errcode_ret) {
   });
 }
 
+/// Null is a buffer, a handle of another kind is none.
+cl_int check_memory_arg(cl_kernel handle, cl_uint index, const void* value) {
+  const Lock lock(state().mutex);
+  const auto kernel = state().kernels.find(handle);
+  if (!kernel || index >= kernel->args.size() || !kernel->args[index].buffer) return CL_SUCCESS;
+  cl_mem memory = nullptr;
+  std::memcpy(&memory, value, sizeof memory);
+  return memory ? check_handle(memory) : CL_SUCCESS;
+}
+
 cl_int CL_API_CALL set_kernel_arg(cl_kernel handle, cl_uint index, std::size_t size,
                                   const void* value) {
-  const cl_int error = target().clSetKernelArg(handle, index, size, value);
   const bool could_be_buffer = value && size == sizeof(cl_mem);
+  if (could_be_buffer) {
+    const cl_int wrong = guarded([&] { return check_memory_arg(handle, index, value); });
+    if (wrong != CL_SUCCESS) return wrong;
+  }
+  const cl_int error = target().clSetKernelArg(handle, index, size, value);
   if (error != CL_SUCCESS || (value && !could_be_buffer)) return error;
   return guarded([&]() -> cl_int {
     const Lock lock(state().mutex);

@@ -114,7 +114,10 @@ cl_int launch(const Enqueue& e, const Queue& queue, cl_kernel handle, Kernel& ke
   if (kernel.circuit) {
     command.compute_units = std::clamp(kernel.circuit->design.compute_units, 1u, 64u);
   }
-  return enqueue_on(queue, e, command, [&](cl_event* event) {
+  const std::vector<MemoryUse> uses = uses_of(kernel, queue);
+  Enqueue placed = e;
+  placed.uses = uses;
+  return enqueue_on(queue, placed, command, [&](cl_event* event) {
     return target().clEnqueueNDRangeKernel(e.queue, handle, dimensions, offset, global,
                                            local.data(), e.wait_count, e.waits, event);
   });
@@ -132,11 +135,13 @@ cl_int CL_API_CALL enqueue_nd_range(cl_command_queue queue_handle, cl_kernel han
       queue = state().queues.find(queue_handle);
       kernel = state().kernels.find(handle);
     }
-    // What OpenCL leaves to the driver: unknown objects, and launches of nothing.
+    if (!queue) return CL_INVALID_COMMAND_QUEUE;
+    if (!kernel) return CL_INVALID_KERNEL;
+    // What OpenCL leaves to the driver: launches of nothing.
     const bool plain = dimensions >= 1 && dimensions <= 3 && global &&
                        std::count(global, global + dimensions, std::size_t{0}) == 0;
     const Enqueue e{queue_handle, wait_count, waits, event, false};
-    if (queue && kernel && plain) {
+    if (plain) {
       return launch(e, *queue, handle, *kernel, dimensions, offset, global, local);
     }
     timeline::Command nothing;

@@ -87,8 +87,10 @@ void* CL_API_CALL map_image(cl_command_queue queue, cl_mem image, cl_bool blocki
 
 cl_int CL_API_CALL unmap(cl_command_queue queue, cl_mem memory, void* pointer, cl_uint wait_count,
                          const cl_event* waits, cl_event* event) {
-  return enqueue({queue, wait_count, waits, event, false},
-                 moved(CommandKind::unmap, bytes_to_return(memory, pointer)), [&](cl_event* e) {
+  const std::uint64_t bytes = bytes_to_return(memory, pointer);
+  const MemoryUse uses[] = {{memory, false, bytes != 0}};
+  return enqueue({queue, wait_count, waits, event, false, uses}, moved(CommandKind::unmap, bytes),
+                 [&](cl_event* e) {
                    const cl_int error = target().clEnqueueUnmapMemObject(queue, memory, pointer,
                                                                          wait_count, waits, e);
                    if (error == CL_SUCCESS) forget(memory, pointer);

@@ -13,6 +13,9 @@ namespace partita::layer {
 std::shared_ptr<Memory> reserve(std::shared_ptr<Context> context, std::uint64_t bytes,
                                 cl_int& error);
 
+/// Whether any of the context's devices has images and samplers.
+bool has_images(const Context& context);
+
 std::shared_ptr<Memory> find_memory(cl_mem handle);
 void register_memory(cl_mem handle, std::shared_ptr<Memory> memory);
 

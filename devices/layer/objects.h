@@ -64,10 +64,12 @@ struct Program {
   std::optional<RefusedBuild> refused;
   bool keeps_arg_info = false;  ///< built with -cl-kernel-arg-info by the program's own wish
   std::shared_ptr<LoadedContainer> container;
-  std::string container_bytes;                  ///< what CL_PROGRAM_BINARIES gives back
-  std::atomic<std::uint32_t> builds{0};         ///< estimates are of one build
-  std::shared_ptr<const std::string> unlinked;  ///< estimates read it: the source, only compiled
-  std::uint32_t unlinked_build = 0;             ///< the build whose source and options that was
+  std::string container_bytes;  ///< what CL_PROGRAM_BINARIES gives back
+  std::string loaded;  ///< the driver's binary that it was made from, until a build makes another
+  std::atomic<std::uint32_t> builds{0};  ///< estimates are of one build
+  std::shared_ptr<const std::string>
+      unlinked;                      ///< estimates read it: code without kernels' machine code
+  std::uint32_t unlinked_build = 0;  ///< the build whose source and options that was
 
   bool from_container() const { return container != nullptr; }
 };
@@ -80,6 +82,7 @@ struct ItemEstimate {
 
 struct KernelArg {
   bool local = false, buffer = false;
+  bool constant = false;          ///< a buffer or image that the kernel does not write
   std::uint64_t local_bytes = 0;  ///< of the last clSetKernelArg
   cl_mem memory = nullptr;        ///< the same; bounds an estimate's unique bytes
 };
@@ -116,7 +119,13 @@ struct Memory {
   std::uint64_t bytes = 0;
   std::uint64_t element_bytes = 1;  ///< images: of a pixel
   std::vector<Device*> charged;     ///< devices whose memory it takes
+  Device* home = nullptr;           ///< has the contents alone; null: no device is ahead
   std::vector<Mapping> mappings;
+};
+
+struct Sampler {
+  explicit Sampler(std::shared_ptr<Context> made_in) : context(std::move(made_in)) {}
+  std::shared_ptr<Context> context;
 };
 
 /// An event of the program. A command without one is known to the timeline alone.

@@ -112,6 +112,7 @@ cl_program create_from_wrapped(cl_context handle, std::shared_ptr<Program> entry
   const auto payload = unwrap_binary(binaries[0])->payload;
   const auto* bytes = reinterpret_cast<const unsigned char*>(payload.data());
   const std::size_t size = payload.size();
+  entry->loaded.assign(reinterpret_cast<const char*>(bytes), size);
   cl_int driver_status = CL_SUCCESS;
   const cl_program program = target().clCreateProgramWithBinary(
       handle, 1, &entry->devices[0]->handle, &size, &bytes, &driver_status, &error);

@@ -2,8 +2,10 @@
 #ifndef PARTITA_DEVICES_LAYER_PROGRAM_H
 #define PARTITA_DEVICES_LAYER_PROGRAM_H
 
+#include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "devices/layer/state.h"
@@ -24,6 +26,14 @@ cl_int check_device_list(const std::vector<Device*>& devices, cl_uint count,
 /// clCreateProgramWithSource of the driver, behind the prelude.
 cl_program create_driver_program(cl_context context, const std::vector<Device*>& devices,
                                  const std::string& source, cl_int& error);
+
+/// The driver's binary, one for all devices; empty if there is none yet. Of a built program PoCL
+/// compiles all kernels to machine code first, of one that is only compiled, or of a library, none.
+std::string driver_binary(cl_program handle);
+
+/// The same of a program that `make` makes for this alone; null gives an empty one. One at a time:
+/// PoCL keeps programs of the same code in one folder, which it removes with the first of them.
+std::string twin_binary(const std::function<cl_program()>& make);
 
 /// An FPGA takes a container: checks it, charges the loading to the predicted clock and compiles
 /// its functional model. Null with `error` set if it refuses.

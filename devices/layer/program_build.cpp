@@ -5,6 +5,7 @@
 #include "devices/layer/answer.h"
 #include "devices/layer/call.h"
 #include "devices/layer/calls.h"
+#include "devices/layer/handles.h"
 #include "devices/layer/program.h"
 #include "devices/layer/program_text.h"
 
@@ -62,6 +63,15 @@ cl_int CL_API_CALL build_program(cl_program handle, cl_uint count, const cl_devi
   });
 }
 
+/// Headers and their names come together, or not at all; PoCL would follow null.
+cl_int check_headers(cl_uint count, const cl_program* headers, const char** names) {
+  if (count == 0) return headers || names ? CL_INVALID_VALUE : CL_SUCCESS;
+  if (!headers || !names || std::find(names, names + count, nullptr) != names + count) {
+    return CL_INVALID_VALUE;
+  }
+  return valid_handles(count, headers) ? CL_SUCCESS : CL_INVALID_PROGRAM;
+}
+
 cl_int CL_API_CALL compile_program(cl_program handle, cl_uint count, const cl_device_id* list,
                                    const char* options, cl_uint headers, const cl_program* header,
                                    const char** names, BuildNotify notify, void* user_data) {
@@ -73,6 +83,7 @@ cl_int CL_API_CALL compile_program(cl_program handle, cl_uint count, const cl_de
     }
     if (!notify && user_data) return CL_INVALID_VALUE;
     cl_int error = check_device_list(program->devices, count, list);
+    if (error == CL_SUCCESS) error = check_headers(headers, header, names);
     if (error != CL_SUCCESS) return error;
     if (program->from_container()) return CL_INVALID_OPERATION;
     error = build(*program, options, CL_COMPILE_PROGRAM_FAILURE, [&](const char* text) {
@@ -82,6 +93,16 @@ cl_int CL_API_CALL compile_program(cl_program handle, cl_uint count, const cl_de
     if (notify) notify(handle, user_data);
     return error;
   });
+}
+
+/// The same code as a library, for estimates: the inputs may be gone when one is made.
+std::shared_ptr<const std::string> library_of(cl_context context, cl_uint inputs,
+                                              const cl_program* input) {
+  return std::make_shared<const std::string>(twin_binary([&] {
+    cl_int error = CL_SUCCESS;
+    return target().clLinkProgram(context, 0, nullptr, "-create-library", inputs, input, nullptr,
+                                  nullptr, &error);
+  }));
 }
 
 cl_program CL_API_CALL link_program(cl_context handle, cl_uint count, const cl_device_id* list,
@@ -95,6 +116,8 @@ cl_program CL_API_CALL link_program(cl_context handle, cl_uint count, const cl_d
     }
     error =
         !notify && user_data ? CL_INVALID_VALUE : check_device_list(context->devices, count, list);
+    if (error == CL_SUCCESS && (inputs == 0 || !input)) error = CL_INVALID_VALUE;
+    if (error == CL_SUCCESS && !valid_handles(inputs, input)) error = CL_INVALID_PROGRAM;
     if (error != CL_SUCCESS) return nullptr;
     auto entry = make_program(std::move(context));
     if (count) entry->devices.clear();
@@ -106,12 +129,13 @@ cl_program CL_API_CALL link_program(cl_context handle, cl_uint count, const cl_d
     }
     entry->options = options ? options : "";
     entry->built = true;
-    for (cl_uint i = 0; input && i < inputs; ++i) {
+    for (cl_uint i = 0; i < inputs; ++i) {
       const auto part = find_program(input[i]);
       entry->keeps_arg_info = entry->keeps_arg_info || (part && part->keeps_arg_info);
     }
     const cl_program program = target().clLinkProgram(handle, 0, nullptr, options, inputs, input,
                                                       nullptr, nullptr, &error);
+    if (program && error == CL_SUCCESS) entry->unlinked = library_of(handle, inputs, input);
     if (program) register_program(program, std::move(entry));
     if (program && notify) notify(program, user_data);
     return program;

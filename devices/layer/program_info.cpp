@@ -8,9 +8,7 @@
 #include "devices/layer/program_binary.h"
 
 namespace partita::layer {
-namespace {
 
-/// The driver's binary; empty if there is none yet.
 std::string driver_binary(cl_program handle) {
   std::size_t bytes = 0;
   if (target().clGetProgramInfo(handle, CL_PROGRAM_BINARY_SIZES, 0, nullptr, &bytes) !=
@@ -33,6 +31,18 @@ std::string driver_binary(cl_program handle) {
   return binary;
 }
 
+std::string twin_binary(const std::function<cl_program()>& make) {
+  static std::mutex mutex;
+  const Lock lock(mutex);
+  const cl_program twin = make();
+  if (!twin) return {};
+  std::string binary = driver_binary(twin);
+  target().clReleaseProgram(twin);
+  return binary;
+}
+
+namespace {
+
 /// One binary for each of the program's devices.
 std::vector<std::string> binaries(cl_program handle, const Program& program) {
   std::vector<std::string> list;
@@ -40,7 +50,8 @@ std::vector<std::string> binaries(cl_program handle, const Program& program) {
     list.assign(program.devices.size(), program.container_bytes);
     return list;
   }
-  const std::string payload = program.refused ? std::string() : driver_binary(handle);
+  std::string payload = program.refused ? std::string() : driver_binary(handle);
+  if (payload.empty() && !program.refused) payload = program.loaded;
   for (const Device* d : program.devices) {
     list.push_back(payload.empty()
                        ? std::string()

@@ -29,6 +29,12 @@ std::vector<std::string> driver_extensions() {
   return split_words(text.c_str());
 }
 
+/// Extensions that the compiler announces on its own account for OpenCL C 3.0.
+std::vector<std::string> compiler_extensions() {
+  return {"cl_khr_depth_images",    "cl_khr_mipmap_image",      "cl_khr_mipmap_image_writes",
+          "cl_khr_gl_msaa_sharing", "cl_khr_srgb_image_writes", "cl_khr_subgroups"};
+}
+
 std::vector<std::string> driver_features() {
   std::size_t bytes = 0;
   target().clGetDeviceInfo(state().real_device, CL_DEVICE_OPENCL_C_FEATURES, 0, nullptr, &bytes);
@@ -74,6 +80,9 @@ bool compiles(const std::vector<Device*>& devices, cl_version version) {
 std::string prelude(const std::vector<Device*>& devices) {
   std::string text;
   for (const std::string& e : driver_extensions()) {
+    if (!all_have(devices, e)) text += "#undef " + e + "\n";
+  }
+  for (const std::string& e : compiler_extensions()) {
     if (!all_have(devices, e)) text += "#undef " + e + "\n";
   }
   for (const std::string& f : driver_features()) {

@@ -5,6 +5,7 @@
 #include "devices/layer/answer.h"
 #include "devices/layer/call.h"
 #include "devices/layer/calls.h"
+#include "devices/layer/enqueue.h"
 #include "devices/layer/record.h"
 
 namespace partita::layer {
@@ -126,6 +127,28 @@ cl_int CL_API_CALL get_queue_info(cl_command_queue handle, cl_command_queue_info
   });
 }
 
+/// A call of OpenCL 1.0, which no later device has to offer. PoCL has no function for it.
+cl_int CL_API_CALL set_queue_property(cl_command_queue handle,
+                                      cl_command_queue_properties properties, cl_bool,
+                                      cl_command_queue_properties*) {
+  return guarded([&]() -> cl_int {
+    const auto queue = find_queue(handle);
+    if (!queue) return CL_INVALID_COMMAND_QUEUE;
+    const cl_int error = check_properties(*queue->device, properties);
+    return error == CL_SUCCESS ? CL_INVALID_OPERATION : error;
+  });
+}
+
+/// There are no device queues.
+cl_int CL_API_CALL set_default_device_queue(cl_context context_handle, cl_device_id device_handle,
+                                            cl_command_queue) {
+  return guarded([&]() -> cl_int {
+    cl_int error = CL_SUCCESS;
+    check_device(context_handle, find_device(device_handle), error);
+    return error == CL_SUCCESS ? CL_INVALID_OPERATION : error;
+  });
+}
+
 cl_int CL_API_CALL retain_queue(cl_command_queue handle) {
   return guarded([&]() -> cl_int {
     const cl_int error = target().clRetainCommandQueue(handle);
@@ -154,6 +177,8 @@ void add_queue_calls(cl_icd_dispatch& table) {
   table.clCreateCommandQueue = create_queue;
   table.clCreateCommandQueueWithProperties = create_queue_with_properties;
   table.clGetCommandQueueInfo = get_queue_info;
+  table.clSetCommandQueueProperty = set_queue_property;
+  table.clSetDefaultDeviceCommandQueue = set_default_device_queue;
   table.clRetainCommandQueue = retain_queue;
   table.clReleaseCommandQueue = release_queue;
 }

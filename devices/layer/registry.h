@@ -25,6 +25,11 @@ class Registry {
     if (!entry) slots_.erase(it);
     return entry;
   }
+  /// Whether find() would have it.
+  bool has(Handle handle) const {
+    const auto it = slots_.find(handle);
+    return it != slots_.end() && !it->second.any.expired();
+  }
   void retain(Handle handle) {
     const auto it = slots_.find(handle);
     if (it == slots_.end()) return;

@@ -83,6 +83,7 @@ struct State {
   Registry<cl_program, Program> programs;
   Registry<cl_kernel, Kernel> kernels;
   Registry<cl_mem, Memory> memories;
+  Registry<cl_sampler, Sampler> samplers;
   std::unordered_map<cl_event, Event> events;
 };
 

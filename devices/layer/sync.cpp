@@ -3,6 +3,7 @@
 
 #include "devices/layer/calls.h"
 #include "devices/layer/commands.h"
+#include "devices/layer/handles.h"
 #include "devices/layer/record.h"
 
 namespace partita::layer {
@@ -60,8 +61,10 @@ bool waited(cl_int error) {
 
 cl_int CL_API_CALL wait_for_events(cl_uint count, const cl_event* events) {
   return guarded([&]() -> cl_int {
+    if (count == 0 || !events) return CL_INVALID_VALUE;
+    if (!valid_handles(count, events)) return CL_INVALID_EVENT;
     const cl_int error = target().clWaitForEvents(count, events);
-    if (!waited(error) || !events) return error;
+    if (!waited(error)) return error;
     const Lock lock(state().mutex);
     std::vector<timeline::NodeId> nodes;
     for (cl_uint i = 0; i < count; ++i) {

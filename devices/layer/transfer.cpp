@@ -18,7 +18,8 @@ cl_int CL_API_CALL read_buffer(cl_command_queue queue, cl_mem buffer, cl_bool bl
 cl_int CL_API_CALL write_buffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking,
                                 std::size_t offset, std::size_t bytes, const void* host,
                                 cl_uint wait_count, const cl_event* waits, cl_event* event) {
-  return enqueue({queue, wait_count, waits, event, blocking != CL_FALSE},
+  const MemoryUse uses[] = {{buffer, false, true}};
+  return enqueue({queue, wait_count, waits, event, blocking != CL_FALSE, uses},
                  moved(timeline::CommandKind::write, bytes), [&](cl_event* e) {
                    return target().clEnqueueWriteBuffer(queue, buffer, CL_FALSE, offset, bytes,
                                                         host, wait_count, waits, e);
@@ -45,7 +46,8 @@ cl_int CL_API_CALL write_rect(cl_command_queue queue, cl_mem buffer, cl_bool blo
                               std::size_t buffer_slice, std::size_t host_row,
                               std::size_t host_slice, const void* host, cl_uint wait_count,
                               const cl_event* waits, cl_event* event) {
-  return enqueue({queue, wait_count, waits, event, blocking != CL_FALSE},
+  const MemoryUse uses[] = {{buffer, false, true}};
+  return enqueue({queue, wait_count, waits, event, blocking != CL_FALSE, uses},
                  moved(timeline::CommandKind::write, volume(region)), [&](cl_event* e) {
                    return target().clEnqueueWriteBufferRect(
                        queue, buffer, CL_FALSE, buffer_origin, host_origin, region, buffer_row,

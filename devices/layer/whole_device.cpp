@@ -21,9 +21,29 @@ void set_command_type(const cl_event* event, cl_command_type type) {
   if (it != state().events.end()) it->second.type = type;
 }
 
-std::vector<cl_event> with_marker(const Enqueue& e, cl_event before) {
+namespace {
+
+void CL_CALLBACK do_nothing(void*) {}
+
+bool out_of_order(cl_command_queue handle) {
+  const auto queue = find_queue(handle);
+  return queue && (queue->properties & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE) != 0;
+}
+
+}  // namespace
+
+cl_int enqueue_nothing(cl_command_queue queue, cl_uint count, const cl_event* waits,
+                       cl_event* event) {
+  if (!out_of_order(queue)) {
+    return target().clEnqueueMarkerWithWaitList(queue, count, waits, event);
+  }
+  return target().clEnqueueNativeKernel(queue, do_nothing, nullptr, 0, 0, nullptr, nullptr, count,
+                                        waits, event);
+}
+
+std::vector<cl_event> with_start(const Enqueue& e, cl_event start) {
   std::vector<cl_event> waits(e.waits, e.waits + e.wait_count);
-  waits.push_back(before);
+  waits.push_back(start);
   return waits;
 }
 

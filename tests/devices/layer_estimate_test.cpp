@@ -14,9 +14,33 @@ namespace {
 
 constexpr std::size_t kItems = 4096;
 
+cl_program built(cl_context context, const char* source) {
+  const cl_program program = clCreateProgramWithSource(context, 1, &source, nullptr, nullptr);
+  EXPECT_EQ(clBuildProgram(program, 0, nullptr, "", nullptr, nullptr), CL_SUCCESS);
+  return program;
+}
+
+/// The source, linked with a function that it calls.
+cl_program linked(cl_context context, const char* source) {
+  const char* library =
+      "float power(float s) { for (int k = 0; k < 100; ++k) s = fma(s, s, 1.5f); return s; }";
+  cl_program parts[2] = {clCreateProgramWithSource(context, 1, &source, nullptr, nullptr),
+                         clCreateProgramWithSource(context, 1, &library, nullptr, nullptr)};
+  for (const cl_program p : parts) {
+    EXPECT_EQ(clCompileProgram(p, 0, nullptr, "", 0, nullptr, nullptr, nullptr, nullptr),
+              CL_SUCCESS);
+  }
+  const cl_program program =
+      clLinkProgram(context, 0, nullptr, "", 2, parts, nullptr, nullptr, nullptr);
+  EXPECT_NE(program, nullptr);
+  for (const cl_program p : parts) clReleaseProgram(p);
+  return program;
+}
+
 /// Launches every kernel of `source` once on the emulated GPU, each with two buffers of kItems
 /// floats, 256 bytes of local memory and an int, and returns the Work that was charged, by order.
-std::vector<Work> charged(const char* source, const std::vector<const char*>& kernels) {
+std::vector<Work> charged(const char* source, const std::vector<const char*>& kernels,
+                          cl_program (*make)(cl_context, const char*) = built) {
   cl_platform_id platforms[8];
   cl_uint count = 0;
   clGetPlatformIDs(8, platforms, &count);
@@ -30,8 +54,7 @@ std::vector<Work> charged(const char* source, const std::vector<const char*>& ke
   }
   const cl_context context = clCreateContext(nullptr, 1, &device, nullptr, nullptr, nullptr);
   const cl_command_queue queue = clCreateCommandQueue(context, device, 0, nullptr);
-  const cl_program program = clCreateProgramWithSource(context, 1, &source, nullptr, nullptr);
-  EXPECT_EQ(clBuildProgram(program, 0, nullptr, "", nullptr, nullptr), CL_SUCCESS);
+  const cl_program program = make(context, source);
   cl_mem buffers[2];
   for (cl_mem& b : buffers) {
     b = clCreateBuffer(context, CL_MEM_READ_WRITE, kItems * sizeof(float), nullptr, nullptr);
@@ -109,6 +132,18 @@ TEST(Estimate, CountsWhatTheCodeSays) {
   EXPECT_EQ(shared.local_bytes, 2 * 4 * kItems);
   EXPECT_EQ(shared.read_issued, 4 * kItems);
   EXPECT_EQ(indirect.kind, WorkKind::gather);
+}
+
+TEST(Estimate, ReadsTheCodeOfALinkedProgram) {
+  const char* source = R"(
+    float power(float s);
+    __kernel void powers(__global float* a, __global const float* b, __local float* l, int n) {
+      a[get_global_id(0)] = power(b[get_global_id(0)]);
+    })";
+  const std::vector<Work> works = charged(source, {"powers"}, linked);
+  ASSERT_EQ(works.size(), 1u);
+  EXPECT_EQ(works[0][OpClass::float_fma], 100 * kItems);
+  EXPECT_EQ(works[0].written_issued, 4 * kItems);
 }
 
 }  // namespace

@@ -106,8 +106,9 @@ TEST(Images, AreRefusedWhereThereAreNone) {
   EXPECT_EQ(cl.clCreateSampler(rig.context, CL_FALSE, CL_ADDRESS_CLAMP, CL_FILTER_NEAREST, &error),
             nullptr);
   EXPECT_EQ(error, CL_INVALID_OPERATION);
+  rig.make_buffer(64);
   EXPECT_EQ(
-      cl.clEnqueueFillImage(rig.queue, nullptr, nullptr, nullptr, nullptr, 0, nullptr, nullptr),
+      cl.clEnqueueFillImage(rig.queue, rig.buffer, nullptr, nullptr, nullptr, 0, nullptr, nullptr),
       CL_INVALID_OPERATION);
 }
 

@@ -221,8 +221,9 @@ void add_kernels(cl_icd_dispatch& t) {
     if (name == CL_KERNEL_NUM_ARGS) return a.put<cl_uint>(2);
     return CL_INVALID_VALUE;
   };
-  t.clGetKernelArgInfo = [](cl_kernel, cl_uint i, cl_kernel_arg_info, std::size_t n, void* v,
+  t.clGetKernelArgInfo = [](cl_kernel, cl_uint i, cl_kernel_arg_info name, std::size_t n, void* v,
                             std::size_t* r) -> cl_int {
+    if (name != CL_KERNEL_ARG_ADDRESS_QUALIFIER) return CL_INVALID_VALUE;
     return Answer(n, v, r).put<cl_kernel_arg_address_qualifier>(
         i == 0 ? CL_KERNEL_ARG_ADDRESS_GLOBAL : CL_KERNEL_ARG_ADDRESS_LOCAL);
   };
