@@ -103,6 +103,9 @@ std::string describe(const Rival& rival, Objective objective) {
       .append(show(c.by, std::abs(c.nominal)))
       .append(than_best(c.nominal))
       .append(" (" + changes + ")");
+  if (!c.beats && c.dropped != 0) {
+    return text + ": within the uncertainty, which of the two drops more";
+  }
   if (!c.beats) {
     return text + ": with the uncertainty, from " + show(c.by, c.least) + " to " +
            show(c.by, c.most);

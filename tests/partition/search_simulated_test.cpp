@@ -26,7 +26,7 @@ std::vector<profile::Machine> machines() {
 TEST(SimulatedSearch, NoPlacementIsBelowItsBoundsNorBelowThoseOfAllPlacements) {
   std::size_t dropping = 0, all_done = 0;
   for (const profile::Machine& machine : machines()) {
-    for (std::uint32_t seed = 1; seed <= 200; ++seed) {
+    for (std::uint32_t seed = 1; seed <= 400; ++seed) {
       RandomWorld world(seed);
       const auto evaluator = simulated(machine, world.pipeline, world.workload,
                                        {.frames = 1 + seed % 40, .allow_swap = seed % 3 == 0});
