@@ -93,7 +93,7 @@ Score Bounds::score() const {
           .price_usd = price_usd};
 }
 
-Bounder::Bounder(const Evaluator& evaluator, const Choices& choices)
+Bounder::Bounder(const Evaluator& evaluator, const Choices& choices, Drops drops)
     : evaluator_(evaluator), tasks_(choices.size()) {
   const Pipeline& pipeline = evaluator.pipeline();
   for (const std::uint32_t t : pipeline.outputs) {
@@ -114,15 +114,15 @@ Bounder::Bounder(const Evaluator& evaluator, const Choices& choices)
     for (const std::uint32_t p : choices[t]) tasks_[t].places[p] = &evaluator.least(t, p);
     tasks_[t].open = least_of(tasks_[t].places, evaluator.engines().size());
   }
-  find_required();
+  find_required(drops == Drops::none ? std::vector<bool>(tasks_.size(), true)
+                                     : certain_tasks(pipeline));
 }
 
 Bounder::~Bounder() = default;
 
 /// Which tasks did their part of every finished frame: the outputs, what they wait for.
-void Bounder::find_required() {
+void Bounder::find_required(const std::vector<bool>& certain) {
   const Pipeline& pipeline = evaluator_.pipeline();
-  const std::vector<bool> certain = certain_tasks(pipeline);
   std::vector<bool> required(tasks_.size(), false);
   for (std::uint32_t t = static_cast<std::uint32_t>(tasks_.size()); t-- > 0;) {
     Task& task = tasks_[t];

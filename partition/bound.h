@@ -12,8 +12,10 @@
 //   energy      the idle power of the parts in use, and what each task adds
 //   price       the parts in use
 //
-// Only tasks that certainly do their part of a frame count: a task with a bounded queue may drop
-// it, and then what reads its output goes on without, if it has another input.
+// A task with a bounded queue may drop a frame, and then what reads its output goes on without, if
+// it has another input. So there are two kinds: bounds for any placement, in which only tasks count
+// that certainly do their part of a frame, and tighter ones for placements under which nothing is
+// dropped. Those rank first, so that the tighter ones may be used as soon as one of them is known.
 #ifndef PARTITA_PARTITION_BOUND_H
 #define PARTITA_PARTITION_BOUND_H
 
@@ -29,6 +31,9 @@ namespace partita::partition {
 
 /// A task without a place yet.
 inline constexpr std::uint32_t kOpen = std::numeric_limits<std::uint32_t>::max();
+
+/// Whether tasks with a bounded queue may drop frames.
+enum class Drops : std::uint8_t { possible, none };
 
 struct Bounds {
   double path_ns = 0;  ///< critical path
@@ -49,7 +54,7 @@ struct Bounds {
 /// Computes bounds of partial placements; built once per search. `evaluator` must outlive it.
 class Bounder {
  public:
-  Bounder(const Evaluator& evaluator, const Choices& choices);
+  Bounder(const Evaluator& evaluator, const Choices& choices, Drops drops);
   ~Bounder();
   Bounder(const Bounder&) = delete;
 
@@ -60,7 +65,7 @@ class Bounder {
 
  private:
   struct Task;
-  void find_required();
+  void find_required(const std::vector<bool>& certain);
   double path(const TaskPlacement& placement) const;
   void add_loads(const TaskPlacement& placement, Bounds& bounds) const;
   void add_waiting(double longest, Bounds& bounds) const;

@@ -85,9 +85,11 @@ Comparison compared(const Sides& sides, Objective by) {
   result.by = by;
   result.beats = true;
   result.corners = sides.a.size();
+  result.dropped = sides.b.front().dropped - sides.a.front().dropped;
   for (std::size_t i = 0; i < sides.a.size(); ++i) {
     const double difference = value(by, sides.b[i]) - value(by, sides.a[i]);
-    result.beats = result.beats && cost(by, sides.a[i]) < cost(by, sides.b[i]);
+    const auto key = [by](const Score& s) { return std::make_pair(s.dropped, cost(by, s)); };
+    result.beats = result.beats && key(sides.a[i]) < key(sides.b[i]);
     if (i == 0) result.nominal = result.least = result.most = difference;
     result.least = std::min(result.least, difference);
     result.most = std::max(result.most, difference);
@@ -125,8 +127,9 @@ const Score& Comparer::score(const Evaluator& on, const TaskPlacement& placement
   const auto [found, missing] = scaled.scores.try_emplace(placement);
   if (missing) {
     const Evaluator& evaluator = *scaled.evaluator;
-    const Bounds bounds = Bounder(evaluator, only(placement))(placement);
-    found->second = score_of(evaluator, placement, evaluator.quick(placement), bounds);
+    const Figures figures = evaluator.quick(placement);
+    const Bounds bounds = Bounder(evaluator, only(placement), drops_of(figures))(placement);
+    found->second = score_of(evaluator, placement, figures, bounds);
   }
   return found->second;
 }

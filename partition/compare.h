@@ -36,12 +36,14 @@ struct Part {
 std::vector<Part> parts(const Evaluator& evaluator, const TaskPlacement& placement);
 
 struct Comparison {
-  bool beats = false;  ///< else they tie
+  bool beats =
+      false;  ///< else they tie; what drops less work in every corner beats, see objective.h
   /// What decided: the objective, or, where that is the same in every corner, the latency.
   Objective by = Objective::latency;
   double nominal = 0;          ///< value of B minus value of A, as predicted
   double least = 0, most = 0;  ///< of that difference over all corners
   std::size_t corners = 0;
+  double dropped = 0;  ///< share that B drops minus that of A, as predicted
 };
 
 /// Evaluates with changed speeds and remembers. Not thread-safe.

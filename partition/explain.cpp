@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "partition/sanity.h"
+#include "partition/text.h"
 #include "partition/usage.h"
 
 namespace partita::partition {
@@ -80,8 +81,9 @@ std::vector<Sensitivity> sensitivities(const Evaluator& evaluator, const TaskPla
     const auto faster = evaluator.with(knob.speeds);
     Sensitivity s;
     s.what = knob.what;
+    const Figures figures = faster->quick(placement);
     s.score =
-        score_of(*faster, placement, faster->quick(placement), Bounder(*faster, only)(placement));
+        score_of(*faster, placement, figures, Bounder(*faster, only, drops_of(figures))(placement));
     const double change = value(objective, s.score) - value(objective, score);
     s.gain = objective == Objective::throughput ? change : -change;
     s.relative_gain = s.gain / value(objective, score);
@@ -119,9 +121,22 @@ std::string path_line(const std::vector<PathStep>& path) {
   return text;
 }
 
+/// Empty if every task does all its frames.
+std::string drops_line(const Evaluator& evaluator, const Figures& figures) {
+  std::string text;
+  for (std::size_t t = 0; t < figures.tasks.size(); ++t) {
+    if (figures.tasks[t].dropped == 0) continue;
+    const PipelineTask& task = evaluator.pipeline().tasks[t];
+    const std::size_t due = (evaluator.frames() + task.every - 1) / task.every;
+    append(text, task.name + " drops " + std::to_string(figures.tasks[t].dropped) + " of " +
+                     std::to_string(due) + " frames");
+  }
+  return text.empty() ? text : "cannot keep up: " + text;
+}
+
 std::string help_line(const std::vector<Sensitivity>& sensitivities, Objective objective) {
-  // Below a thousandth, twice the speed is no reason to buy anything.
-  constexpr double kWorthwhile = 1e-3;
+  // Below half a percent, twice the speed is no reason to buy anything.
+  constexpr double kWorthwhile = 5e-3;
   std::string text;
   for (const Sensitivity& s : sensitivities) {
     if (s.relative_gain < kWorthwhile) break;
@@ -145,6 +160,8 @@ Explanation explain(const Evaluator& evaluator, const TaskPlacement& placement,
     e.lines.push_back("busiest engine: " + e.busiest_engine + ", " + percent(e.busiest_share) +
                       " of the time");
   }
+  const std::string drops = drops_line(evaluator, figures);
+  if (!drops.empty()) e.lines.push_back(drops);
   // A price does not depend on speed: what speed buys then is latency.
   const Objective gained = objective == Objective::cost ? Objective::latency : objective;
   e.sensitivities = sensitivities(evaluator, placement, score, gained);

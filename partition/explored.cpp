@@ -11,7 +11,8 @@ Explored::Explored(const Evaluator& evaluator, const SearchOptions& options, std
     : evaluator_(evaluator),
       options_(options),
       choices_(partition::choices(evaluator, options.pins)),
-      bounder_(evaluator, choices_),
+      any_(evaluator, choices_, Drops::possible),
+      complete_(evaluator, choices_, Drops::none),
       budget_(budget),
       threads_(options.threads != 0 ? options.threads
                                     : std::max(1u, std::thread::hardware_concurrency())) {}
@@ -25,7 +26,7 @@ Explored::Look Explored::look(const TaskPlacement& placement) const {
     look.refusal = "finishes no frame: its outputs never do the same one";
     return look;
   }
-  look.score = score_of(evaluator_, placement, figures, bounder_(placement));
+  look.score = score_of(evaluator_, placement, figures, bounder(drops_of(figures))(placement));
   return look;
 }
 

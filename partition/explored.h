@@ -44,7 +44,13 @@ class Explored {
   const Evaluator& evaluator() const { return evaluator_; }
   const SearchOptions& options() const { return options_; }
   const Choices& choices() const { return choices_; }
-  const Bounder& bounder() const { return bounder_; }
+  /// Of any placement, and of those under which nothing is dropped.
+  const Bounder& bounder(Drops drops) const { return drops == Drops::none ? complete_ : any_; }
+  /// Bounds of the placements that may still rank before the best.
+  const Bounder& bounder() const {
+    const bool complete = best_ != kNone && points_[best_].score.dropped == 0;
+    return bounder(complete ? Drops::none : Drops::possible);
+  }
 
  private:
   struct Look {
@@ -57,7 +63,7 @@ class Explored {
   const Evaluator& evaluator_;
   const SearchOptions& options_;
   const Choices choices_;
-  const Bounder bounder_;
+  const Bounder any_, complete_;
   const std::uint64_t budget_;
   const unsigned threads_;
   std::vector<Point> points_;

@@ -178,6 +178,7 @@ Figures figures_of(const Trace& trace, const Scene& scene) {
     figures.late += late ? 1 : 0;
     figures.dropped += dropped ? 1 : 0;
   }
+  for (const Trace::Task& task : trace.tasks) figures.dropped_by_tasks += task.dropped;
   return figures;
 }
 

@@ -53,7 +53,8 @@ class Descent {
       std::uint32_t chosen = choices_[t].front();
       for (const std::uint32_t place : choices_[t]) {
         greedy[t] = place;
-        const double cost = explored_.bounder()(greedy).cost(explored_.options().objective);
+        const double cost =
+            explored_.bounder(Drops::none)(greedy).cost(explored_.options().objective);
         if (cost < least) {
           least = cost;
           chosen = place;

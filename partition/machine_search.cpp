@@ -34,16 +34,20 @@ void search(Explored& explored, MachineResult& result) {
   result.bound = left_out;
   if (explored.best() == Explored::kNone) return;
   const double best = cost(objective, explored.points()[explored.best()].score);
-  result.optimal = left_out >= best;
+  // What drops nothing ranks before what drops something, whatever else it takes.
+  const bool complete = explored.points()[explored.best()].score.dropped == 0;
+  result.optimal = std::isinf(left_out) || (complete && left_out >= best);
   result.bound = std::min(left_out, best);
   result.gap = result.optimal ? 0 : best / result.bound - 1;
 }
 
 /// A bound that a placement beats is wrong, and so is everything that was pruned by it.
-void check_bound(const Explored& explored, const Bounds& root) {
+void check_bound(const Explored& explored, Drops drops) {
   constexpr double kSlack = 1 + 1e-9;
+  const Bounds root = explored.bounder(drops).root();
   for (const Objective objective : kObjectives) {
     for (const Point& point : explored.points()) {
+      if (drops == Drops::none && point.score.dropped > 0) continue;
       if (root.cost(objective) <= cost(objective, point.score) * kSlack) continue;
       throw std::logic_error("bound of " +
                              show(objective, convert(objective, root.cost(objective))) +
@@ -72,7 +76,8 @@ Detailed detailed(const Explored& explored, const Point& point) {
   const Evaluator& evaluator = explored.evaluator();
   const Vehicle& vehicle = explored.options().vehicle;
   Detailed result{scored(evaluator, point), evaluator.evaluate(point.placement), {}, 0, 0};
-  check_plausible(evaluator, point.placement, result.figures, explored.bounder()(point.placement));
+  check_plausible(evaluator, point.placement, result.figures,
+                  explored.bounder(drops_of(result.figures))(point.placement));
   const auto& devices = evaluator.machine().devices;
   for (std::uint32_t d = 0; d < devices.size(); ++d) {
     const profile::Area used = evaluator.area(point.placement, d);
@@ -103,6 +108,7 @@ Rival rival(const Explored& explored, const Point& best, const Point& other, Com
 /// uncertainty of all parts.
 bool may_tie(const Evaluator& evaluator, Objective objective, const Score& best,
              const Score& other) {
+  if (best.dropped != other.dropped) return false;
   double most = 0;
   for (const auto& device : evaluator.machine().devices) {
     most = std::max(most, profile::uncertainty(device.profile));
@@ -206,11 +212,11 @@ MachineResult search_machine(const Evaluator& evaluator, const SearchOptions& op
   const bool few = count(choices(evaluator, options.pins)) <= options.enumerate;
   Explored explored(evaluator, options, few ? options.enumerate : options.budget);
   result.placements = count(explored.choices());
-  const Bounds root = explored.bounder().root();
+  const Bounds root = explored.bounder(Drops::none).root();
   result.path_bound_ns = root.path_ns;
   result.load_bound_ns = root.load_ns;
   search(explored, result);
-  check_bound(explored, root);
+  for (const Drops drops : {Drops::possible, Drops::none}) check_bound(explored, drops);
   const std::vector<std::size_t> order = ranked(explored);
   result.evaluated = explored.points().size();
   result.infeasible = explored.infeasible();

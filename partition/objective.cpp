@@ -72,7 +72,8 @@ std::string show(Objective objective, double value) {
 
 bool ranks_before(Objective objective, const Score& a, const Score& b) {
   const auto key = [&](const Score& s) {
-    return std::make_tuple(cost(objective, s), s.p99_ns, s.energy_j, s.price_usd, s.p50_ns);
+    return std::make_tuple(s.dropped, cost(objective, s), s.p99_ns, s.energy_j, s.price_usd,
+                           s.p50_ns);
   };
   return key(a) < key(b);
 }

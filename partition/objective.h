@@ -23,6 +23,8 @@ Objective parse_objective(std::string_view text);
 
 /// All predicted, but for the price.
 struct Score {
+  /// Share of the tasks' frames that they did not do, 0..1: their queues were full.
+  double dropped = 0;
   double p50_ns = 0, p99_ns = 0;  ///< end-to-end latency
   double energy_j = 0;            ///< per frame
   /// Between two finished frames in the long run, 1e9 / throughput. A finite run may seem faster
@@ -48,8 +50,10 @@ double convert(Objective objective, double cost);
 /// "52.41 ms", "1.960 J", "9.90 Hz", "2495 USD".
 std::string show(Objective objective, double value);
 
-/// Whether `a` ranks before `b`: by the objective, then, where that is exactly equal, by latency
-/// p99, energy, price, p50. Neither ranks first if all are equal: the caller keeps placement order.
+/// Whether `a` ranks before `b`: whatever drops less, since leaving out work is a way to save time
+/// and energy that nobody asks for; then by the objective; then, where that is exactly equal, by
+/// latency p99, energy, price, p50. Neither does if all are equal: the caller keeps placement
+/// order.
 bool ranks_before(Objective objective, const Score& a, const Score& b);
 
 }  // namespace partita::partition

@@ -7,11 +7,11 @@
 namespace partita::partition {
 namespace {
 
-using Point = std::array<double, 6>;
+using Point = std::array<double, 7>;
 
 /// Less is better in each.
 Point point(const Score& s) {
-  return {s.p50_ns, s.p99_ns, s.energy_j, s.frame_ns, s.area, s.price_usd};
+  return {s.p50_ns, s.p99_ns, s.energy_j, s.frame_ns, s.area, s.price_usd, s.dropped};
 }
 
 bool no_worse(const Point& a, const Point& b) {

@@ -11,7 +11,8 @@
 namespace partita::partition {
 
 /// `a` is nowhere worse than `b` and somewhere better, in latency p50 and p99, energy, throughput,
-/// area and price.
+/// area, price, and the share of work dropped (else what leaves out work would push out what does
+/// it).
 bool dominates(const Score& a, const Score& b);
 
 /// Indices of the scores that none dominates, ascending. Equal scores are all in or all out.

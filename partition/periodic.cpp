@@ -92,6 +92,7 @@ class Sum {
     const Figures figures = figures_of(trace, part);
     run_.figures.late += times * figures.late;
     run_.figures.dropped += times * figures.dropped;
+  run_.figures.dropped_by_tasks += times * figures.dropped_by_tasks;
     partition::add(run_.consumption, clock.consumption(trace), times);
     run_.consumption.makespan =
         std::max(run_.consumption.makespan, last * period + clock.horizon());

@@ -115,6 +115,11 @@ Score score_of(const Evaluator& evaluator, const TaskPlacement& placement, const
   if (figures.throughput_hz > 0) {
     score.frame_ns = std::max(bounds.frame_ns, 1e9 / figures.throughput_hz);
   }
+  std::uint64_t due = 0;
+  for (const PipelineTask& task : evaluator.pipeline().tasks) {
+    due += (evaluator.frames() + task.every - 1) / task.every;
+  }
+  score.dropped = static_cast<double>(figures.dropped_by_tasks) / static_cast<double>(due);
   score.price_usd = figures.price_usd;
   score.power_w = figures.power_w;
   const auto& devices = evaluator.machine().devices;

@@ -12,6 +12,11 @@ namespace partita::partition {
 void check_plausible(const Evaluator& evaluator, const TaskPlacement& placement,
                      const Figures& figures, const Bounds& bounds);
 
+/// Which bounds hold for the figures.
+inline Drops drops_of(const Figures& figures) {
+  return figures.dropped_by_tasks == 0 ? Drops::none : Drops::possible;
+}
+
 /// The figures as a Score; checks them first.
 Score score_of(const Evaluator& evaluator, const TaskPlacement& placement, const Figures& figures,
                const Bounds& bounds);

@@ -87,18 +87,32 @@ std::string_view to_string(Method method) {
 
 std::string describe(const Rival& rival, Objective objective) {
   const Comparison& c = rival.comparison;
-  std::string changes;
-  for (const std::string& change : rival.changes) append(changes, change);
-  const auto size = [&](double difference) { return show(c.by, std::abs(difference)); };
-  const bool more = c.by != Objective::throughput;
   std::string text = c.beats ? "the next best " : "a tie with the next best, which ";
   if (c.by != objective) {
     text += "has the same " + std::string(to_string(objective)) + " and ";
   }
-  text += "takes " + size(c.nominal) + (more ? " more" : " less") + " (" + changes + ")";
-  if (c.beats)
-    return text + ", in every corner of the uncertainty at least " + size(more ? c.least : c.most);
-  return text + ": with the uncertainty, from " + show(c.by, c.least) + " to " + show(c.by, c.most);
+  const auto than_best = [](double difference) { return difference < 0 ? " less" : " more"; };
+  if (c.dropped != 0) {
+    char share[32];
+    std::snprintf(share, sizeof share, "%.1f %%", 100 * std::abs(c.dropped));
+    text.append("drops ").append(share).append(than_best(c.dropped)).append(" of the work and ");
+  }
+  std::string changes;
+  for (const std::string& change : rival.changes) append(changes, change);
+  text.append(c.by == Objective::throughput ? "does " : "takes ")
+      .append(show(c.by, std::abs(c.nominal)))
+      .append(than_best(c.nominal))
+      .append(" (" + changes + ")");
+  if (!c.beats && c.dropped != 0) {
+    return text + ": within the uncertainty, which of the two drops more";
+  }
+  if (!c.beats) {
+    return text + ": with the uncertainty, from " + show(c.by, c.least) + " to " +
+           show(c.by, c.most);
+  }
+  if (c.dropped != 0) return text;
+  const double smallest = std::min(std::abs(c.least), std::abs(c.most));
+  return text + ", in every corner of the uncertainty at least " + show(c.by, smallest);
 }
 
 Exploration explore(const std::vector<const Evaluator*>& evaluators, const SearchOptions& options) {

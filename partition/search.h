@@ -97,8 +97,9 @@ struct MachineResult {
 
   std::optional<Detailed> best;
   std::optional<Rival> next;  ///< the second in rank, of those evaluated
-  std::vector<Rival> ties;    ///< that the best does not beat beyond uncertainty, in rank
-  bool all_ties = true;       ///< false: there may be more, tie_candidates were compared
+  /// That the best does not beat beyond uncertainty, in rank; of those that drop as much work.
+  std::vector<Rival> ties;
+  bool all_ties = true;  ///< false: there may be more, tie_candidates were compared
   /// Non-dominated placements within the limits, by latency p99.
   std::vector<Scored> front;
   bool exact_front = false;  ///< of all placements; else of those evaluated
@@ -106,13 +107,14 @@ struct MachineResult {
   Method method = Method::enumeration;
   bool optimal = false;
   bool stopped = false;  ///< by the progress callback
-  /// What no placement within the pins can beat, in the objective's unit: of throughput an upper
-  /// bound. Equal to the best's value if optimal.
+  /// What no placement that drops as little can beat, in the objective's unit: of throughput an
+  /// upper bound. Equal to the best's value if optimal.
   double bound = 0;
   double gap = 0;  ///< relative distance of the best to the bound, 0 if optimal
-  double path_bound_ns = 0, load_bound_ns = 0;  ///< of the whole space, without search
-  Explanation explanation;                      ///< of the best
-  std::vector<Part> parts;                      ///< that the best uses, with their uncertainties
+  /// Of the whole space, without search, where no frame is dropped.
+  double path_bound_ns = 0, load_bound_ns = 0;
+  Explanation explanation;  ///< of the best
+  std::vector<Part> parts;  ///< that the best uses, with their uncertainties
 };
 
 /// A place in the ranking over machines.

@@ -65,6 +65,7 @@ struct Figures {
   double throughput_hz = 0;  ///< frames that all outputs finished, over the length of the run
   std::size_t late = 0;      ///< frames after the deadline of any output task
   std::size_t dropped = 0;   ///< frames that some output task did not do
+  std::size_t dropped_by_tasks = 0;  ///< TaskFigures::dropped of all tasks
   double energy_per_frame_j = 0;
   double power_w = 0;  ///< mean
   double price_usd = 0;

@@ -33,6 +33,26 @@ TEST(Objective, IsReadByName) {
               HasSubstr("expected one of latency, energy, throughput, cost"));
 }
 
+TEST(Objective, WhatLeavesOutWorkRanksBehind) {
+  const Score whole{.p99_ns = 100, .energy_j = 2, .frame_ns = 10, .price_usd = 3};
+  Score part{.dropped = 0.1, .p99_ns = 50, .energy_j = 1, .frame_ns = 5, .price_usd = 1};
+  for (const Objective objective : kObjectives) {
+    EXPECT_TRUE(ranks_before(objective, whole, part));
+    part.dropped = 0;
+    EXPECT_TRUE(ranks_before(objective, part, whole));
+    part.dropped = 0.1;
+  }
+}
+
+TEST(Objective, TiesAreDecidedByLatency) {
+  const Score a{.p99_ns = 100, .frame_ns = 10, .price_usd = 3};
+  const Score b{.p99_ns = 101, .frame_ns = 10, .price_usd = 3};
+  EXPECT_TRUE(ranks_before(Objective::cost, a, b));
+  EXPECT_TRUE(ranks_before(Objective::throughput, a, b));
+  EXPECT_FALSE(ranks_before(Objective::cost, a, a));
+  EXPECT_EQ(value(Objective::throughput, {.frame_ns = 1e8}), 10);
+}
+
 TEST(Limits, AreReadWithAndWithoutUnits) {
   Limits limits;
   parse_limit("power=30W", limits);

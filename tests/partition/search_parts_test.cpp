@@ -62,7 +62,7 @@ TEST(Bounds, NoCompletionOfAPartialPlacementIsBelow) {
   for (std::uint32_t seed = 1; seed <= 50; ++seed) {
     const Synthetic evaluator(small_machine(2), 4, seed);
     const Choices space = all_places(evaluator);
-    const Bounder bounder(evaluator, space);
+    const Bounder bounder(evaluator, space, Drops::none);
     for (std::uint64_t i = 0; i < count(space); ++i) {
       const TaskPlacement placement = nth(space, i);
       TaskPlacement partial = placement;
@@ -84,13 +84,13 @@ TEST(Bounds, AFasterDeviceNeverMakesThemWorse) {
   for (std::uint32_t seed = 1; seed <= 50; ++seed) {
     const Synthetic evaluator(small_machine(2), 5, seed);
     const Choices space = all_places(evaluator);
-    const Bounds before = Bounder(evaluator, space).root();
+    const Bounds before = Bounder(evaluator, space, Drops::possible).root();
     for (std::size_t d = 0; d < evaluator.machine().devices.size(); ++d) {
       Speeds speeds;
       speeds.devices.assign(evaluator.machine().devices.size(), 1);
       speeds.devices[d] = 1.5;
       const auto faster = evaluator.with(speeds);
-      const Bounds after = Bounder(*faster, space).root();
+      const Bounds after = Bounder(*faster, space, Drops::possible).root();
       for (const Objective objective : kObjectives) {
         EXPECT_LE(after.cost(objective), before.cost(objective)) << to_string(objective);
       }
@@ -111,7 +111,7 @@ struct DroppingPipeline {
     evaluator.pipeline_.outputs = {2};
     evaluator.fill_least();
   }
-  Bounds bounds() { return Bounder(evaluator, all_places(evaluator)).root(); }
+  Bounds bounds() { return Bounder(evaluator, all_places(evaluator), Drops::possible).root(); }
   Synthetic evaluator;
 };
 
@@ -202,7 +202,7 @@ TEST(Comparison, EqualPricesAreDecidedByLatency) {
 struct SanityGate : ::testing::Test {
   SanityGate() : evaluator(small_machine(), 3, 9), placement(3, 0) {
     figures = evaluator.evaluate(placement);
-    bounds = Bounder(evaluator, all_places(evaluator))(placement);
+    bounds = Bounder(evaluator, all_places(evaluator), Drops::possible)(placement);
   }
   std::string error() {
     try {

@@ -26,7 +26,7 @@ struct Everything {
 
 Everything everything(const Evaluator& evaluator, const SearchOptions& options) {
   const Choices space = choices(evaluator, options.pins);
-  const Bounder bounder(evaluator, space);
+  const Bounder bounder(evaluator, space, Drops::none);
   Everything all;
   for (std::uint64_t i = 0; i < count(space); ++i) {
     const TaskPlacement placement = nth(space, i);
