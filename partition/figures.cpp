@@ -58,17 +58,17 @@ Ns deadline(const Scene& scene, std::uint32_t task) {
   return own > 0 ? own : scene.pipeline->period_ns;
 }
 
-/// Frames per second that all tasks of the list finished.
+/// Frames per second that all tasks of the list finished, from the first to the last.
 double rate(const Trace& trace, const Scene& scene, const std::vector<std::uint32_t>& tasks) {
   std::size_t count = 0;
-  Ns last = 0;
+  Ns first = 0, last = 0;
   for (std::size_t k = 0; k < scene.frames; ++k) {
     const Ns end = last_end(trace, tasks, k);
     if (end == Trace::kNot) continue;
-    ++count;
+    if (count++ == 0) first = end;
     last = std::max(last, end);
   }
-  return rate_of(count, last, scene.frames * scene.pipeline->period_ns);
+  return rate_of(count, first, last);
 }
 
 }  // namespace
@@ -82,8 +82,9 @@ Ns last_end(const Trace& trace, const std::vector<std::uint32_t>& tasks, std::si
   return last;
 }
 
-double rate_of(std::size_t count, Ns last, Ns length) {
-  return static_cast<double>(count) * 1e9 / static_cast<double>(std::max({last, length, Ns{1}}));
+double rate_of(std::size_t count, Ns first, Ns last) {
+  if (count < 2) return 0;
+  return static_cast<double>(count - 1) * 1e9 / static_cast<double>(std::max<Ns>(last - first, 1));
 }
 
 Parts parts_of(const Scene& scene, const profile::Machine& machine) {

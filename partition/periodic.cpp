@@ -81,10 +81,10 @@ void add(Consumption& sum, const Consumption& more, std::size_t times) {
 /// Collects the stretches of frames that the whole is made of.
 class Sum {
  public:
-  /// `part`, a stretch that begins on an idle machine, occurs `times` times, at frame `last` for the
-  /// last time. False if it is not over when the next begins.
-  bool add(const Scene& part, CompiledClock& clock, Trace& trace, std::size_t last,
-           std::size_t times) {
+  /// `part`, a stretch that begins on an idle machine, occurs `times` times, at frame `first` for
+  /// the first time and at frame `last` for the last. False if it is not over when the next begins.
+  bool add(const Scene& part, CompiledClock& clock, Trace& trace, std::size_t first,
+           std::size_t last, std::size_t times) {
     clock.reset(part);
     Driver<CompiledClock>(part, clock, trace).run();
     const Ns period = part.pipeline->period_ns;
@@ -103,6 +103,7 @@ class Sum {
       if (end == Trace::kNot) continue;
       latency_.add(end - k * period, times);
       finished_ += times;
+      first_ = std::min(first_, first * period + end);
       last_ = std::max(last_, last * period + end);
     }
     return true;
@@ -114,10 +115,10 @@ class Sum {
                        [](const Trace::Task& task) { return task.end.front() == 0; });
   }
 
-  PeriodicRun result(const Scene& whole) {
+  PeriodicRun result() {
     run_.figures.latency = latency_.distribution();
     run_.figures.perception = perception_.distribution();
-    run_.figures.throughput_hz = rate_of(finished_, last_, whole.frames * whole.pipeline->period_ns);
+    run_.figures.throughput_hz = rate_of(finished_, first_, last_);
     return std::move(run_);
   }
 
@@ -125,7 +126,7 @@ class Sum {
   PeriodicRun run_;
   Weighted latency_, perception_;
   std::size_t finished_ = 0;
-  Ns last_ = 0;
+  Ns first_ = Trace::kNot, last_ = 0;
 };
 
 /// A frame of each kind on an idle machine.
@@ -138,11 +139,12 @@ std::optional<PeriodicRun> by_frames(const Scene& whole, std::size_t cycle, Comp
   for (const Kind& kind : kinds_of(whole, cycle)) {
     if (kind.tasks == 0) continue;
     part.offset = kind.first;
-    if (!sum.add(part, clock, trace, (cycles - 1) * cycle + kind.last, cycles * kind.count)) {
+    if (!sum.add(part, clock, trace, kind.first, (cycles - 1) * cycle + kind.last,
+                 cycles * kind.count)) {
       return std::nullopt;
     }
   }
-  return sum.result(whole);
+  return sum.result();
 }
 
 /// One cycle on an idle machine.
@@ -152,8 +154,8 @@ std::optional<PeriodicRun> by_cycle(const Scene& whole, std::size_t cycle, Compi
   const std::size_t cycles = whole.frames / cycle;
   Scene part = whole;
   part.frames = cycle;
-  if (!sum.add(part, clock, trace, (cycles - 1) * cycle, cycles)) return std::nullopt;
-  return sum.result(whole);
+  if (!sum.add(part, clock, trace, 0, (cycles - 1) * cycle, cycles)) return std::nullopt;
+  return sum.result();
 }
 
 }  // namespace

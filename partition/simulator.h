@@ -62,7 +62,7 @@ struct Figures {
   Distribution latency;     ///< trigger to the last output task's end, frames that all outputs did
   Distribution perception;  ///< the same for Pipeline::perception
   Distribution age;         ///< at an output's end: since the trigger of the oldest data it used
-  double throughput_hz = 0;  ///< frames that all outputs finished, over the length of the run
+  double throughput_hz = 0;  ///< of frames that all outputs finished
   std::size_t late = 0;      ///< frames after the deadline of any output task
   std::size_t dropped = 0;   ///< frames that some output task did not do
   std::size_t dropped_by_tasks = 0;  ///< TaskFigures::dropped of all tasks
