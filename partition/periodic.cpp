@@ -7,26 +7,15 @@
 namespace partita::partition {
 namespace {
 
-/// Equal frames of a cycle: the first and the last of them, and how many there are.
-struct Kind {
-  std::uint64_t tasks = 0;  ///< a bit for each that runs
-  std::size_t first = 0, last = 0, count = 0;
-};
-
-std::vector<Kind> kinds_of(const Scene& scene, std::size_t cycle) {
-  std::vector<Kind> kinds;
-  for (std::size_t k = 0; k < cycle; ++k) {
-    std::uint64_t tasks = 0;
-    for (std::uint32_t i = 0; i < scene.tasks.size(); ++i) {
-      tasks |= std::uint64_t{scene.runs(i, k)} << i;
-    }
-    auto known =
-        std::find_if(kinds.begin(), kinds.end(), [&](const Kind& x) { return x.tasks == tasks; });
-    if (known == kinds.end()) known = kinds.insert(known, {tasks, k, k, 0});
-    known->last = k;
-    ++known->count;
+/// Whether the same tasks run on both frames, and do the same.
+bool alike(const Pipeline& pipeline, const std::vector<const TaskWork*>& works, std::size_t a,
+           std::size_t b) {
+  for (std::size_t i = 0; i < works.size(); ++i) {
+    const std::size_t every = pipeline.tasks[i].every, recorded = works[i]->frames.size();
+    if ((a % every == 0) != (b % every == 0)) return false;
+    if (a % every == 0 && a % recorded != b % recorded) return false;
   }
-  return kinds;
+  return true;
 }
 
 /// Values with how often each occurs; the same figures as distribution() of all of them.
@@ -81,18 +70,20 @@ void add(Consumption& sum, const Consumption& more, std::size_t times) {
 /// Collects the stretches of frames that the whole is made of.
 class Sum {
  public:
-  /// `part`, a stretch that begins on an idle machine, occurs `times` times, at frame `first` for
-  /// the first time and at frame `last` for the last. False if it is not over when the next begins.
-  bool add(const Scene& part, CompiledClock& clock, Trace& trace, std::size_t first,
-           std::size_t last, std::size_t times) {
+  /// `part`, a stretch that begins on an idle machine, occurs `at.count` times, first and last at
+  /// those frames. False if it is not over when the next begins, where one does.
+  bool add(const Scene& part, CompiledClock& clock, Trace& trace, const FrameKind& at,
+           bool at_the_end = false) {
+    const auto [first, last, times] = at;
     clock.reset(part);
     Driver<CompiledClock>(part, clock, trace).run();
     const Ns period = part.pipeline->period_ns;
-    if (clock.horizon() > part.frames * period || posts_at_once(trace)) return false;
+    if (clock.horizon() > part.frames * period && !at_the_end) return false;
+    if (posts_at_once(trace)) return false;
     const Figures figures = figures_of(trace, part);
     run_.figures.late += times * figures.late;
     run_.figures.dropped += times * figures.dropped;
-  run_.figures.dropped_by_tasks += times * figures.dropped_by_tasks;
+    run_.figures.dropped_by_tasks += times * figures.dropped_by_tasks;
     partition::add(run_.consumption, clock.consumption(trace), times);
     run_.consumption.makespan =
         std::max(run_.consumption.makespan, last * period + clock.horizon());
@@ -126,59 +117,71 @@ class Sum {
   PeriodicRun run_;
   Weighted latency_, perception_;
   std::size_t finished_ = 0;
-  Ns first_ = Trace::kNot, last_ = 0;
+  Ns first_ = Trace::kNot;  ///< END of the first frame that was finished
+  Ns last_ = 0;
 };
 
 /// A frame of each kind on an idle machine.
-std::optional<PeriodicRun> by_frames(const Scene& whole, std::size_t cycle, CompiledClock& clock,
+std::optional<PeriodicRun> by_frames(const Scene& whole, const Cycle& cycle, CompiledClock& clock,
                                      Trace& trace) {
   Sum sum;
-  const std::size_t cycles = whole.frames / cycle;
   Scene part = whole;
   part.frames = 1;
-  for (const Kind& kind : kinds_of(whole, cycle)) {
-    if (kind.tasks == 0) continue;
+  for (const FrameKind& kind : cycle.kinds) {
     part.offset = kind.first;
-    if (!sum.add(part, clock, trace, kind.first, (cycles - 1) * cycle + kind.last,
-                 cycles * kind.count)) {
-      return std::nullopt;
-    }
+    if (!sum.add(part, clock, trace, kind)) return std::nullopt;
   }
   return sum.result();
 }
 
-/// One cycle on an idle machine.
+/// One cycle on an idle machine, and what is left of another one at the end.
 std::optional<PeriodicRun> by_cycle(const Scene& whole, std::size_t cycle, CompiledClock& clock,
                                     Trace& trace) {
   Sum sum;
-  const std::size_t cycles = whole.frames / cycle;
+  const std::size_t cycles = whole.frames / cycle, rest = whole.frames % cycle;
   Scene part = whole;
   part.frames = cycle;
-  if (!sum.add(part, clock, trace, 0, (cycles - 1) * cycle, cycles)) return std::nullopt;
+  if (!sum.add(part, clock, trace, {0, (cycles - 1) * cycle, cycles})) return std::nullopt;
+  part.frames = rest;
+  const std::size_t tail = cycles * cycle;
+  if (rest > 0 && !sum.add(part, clock, trace, {tail, tail, 1}, true)) return std::nullopt;
   return sum.result();
 }
 
 }  // namespace
 
-std::size_t cycle_of(const Pipeline& pipeline) {
-  constexpr std::size_t kLongest = 10'000;
-  std::size_t cycle = 1;
-  for (const PipelineTask& task : pipeline.tasks) {
-    cycle = std::lcm(cycle, std::size_t{task.every});
-    if (cycle > kLongest) {
-      throw profile::Error("pipeline '" + pipeline.id +
-                           "': its tasks run together every more than 10000 frames, expected fewer");
+Cycle cycle_of(const Pipeline& pipeline, const std::vector<const TaskWork*>& works,
+               std::size_t frames) {
+  Cycle cycle;
+  std::size_t length = 1;
+  for (std::size_t i = 0; i < works.size(); ++i) {
+    for (const std::size_t count : {std::size_t{pipeline.tasks[i].every}, works[i]->frames.size()}) {
+      length = std::lcm(length, count);
+      if (length > frames) return cycle;
     }
+  }
+  cycle.length = length;
+  for (std::size_t k = 0; k < frames; ++k) {
+    const auto known = std::find_if(
+        cycle.kinds.begin(), cycle.kinds.end(),
+        [&](const FrameKind& kind) { return alike(pipeline, works, kind.first, k); });
+    FrameKind& kind =
+        known != cycle.kinds.end() ? *known : cycle.kinds.emplace_back(FrameKind{k, k, 0});
+    kind.last = k;
+    ++kind.count;
   }
   return cycle;
 }
 
-std::optional<PeriodicRun> run_periodic(const Scene& scene, CompiledClock& clock, Trace& trace) {
+std::optional<PeriodicRun> run_periodic(const Scene& scene, const Cycle& cycle,
+                                        CompiledClock& clock, Trace& trace) {
   const bool swaps = std::find(scene.swaps.begin(), scene.swaps.end(), true) != scene.swaps.end();
-  if (swaps || scene.tasks.size() > 64) return std::nullopt;  // a bitstream outlives its frame
-  const std::size_t cycle = cycle_of(*scene.pipeline);
-  std::optional<PeriodicRun> run = by_frames(scene, cycle, clock, trace);
-  return run || cycle == 1 ? run : by_cycle(scene, cycle, clock, trace);
+  if (cycle.length == 0 || swaps) return std::nullopt;  // a bitstream outlives its frame
+  // Frame by frame costs more a frame; it has to save many.
+  if (2 * cycle.kinds.size() <= cycle.length || cycle.length == 1) {
+    if (auto run = by_frames(scene, cycle, clock, trace)) return run;
+  }
+  return cycle.length == 1 ? std::nullopt : by_cycle(scene, cycle.length, clock, trace);
 }
 
 }  // namespace partita::partition

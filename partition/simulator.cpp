@@ -57,6 +57,7 @@ class Simulator::Impl {
   auto with_scratch(const Use& use) const;
   /// Of scratch.scene.
   Figures simulate(Scratch& scratch) const;
+  Figures priced(const Scratch& scratch, Figures figures, const Consumption& used) const;
   void add_engines(const Scratch& scratch, Figures& figures) const;
 
   const profile::Machine& machine_;
@@ -69,7 +70,7 @@ class Simulator::Impl {
   std::vector<std::vector<Place>> places_;         ///< by task
   std::vector<std::vector<CompiledTask>> compiled_;  ///< by task and place
   std::vector<std::vector<double>> alone_ns_, energy_j_;
-  bool jitter_free_ = true;
+  Cycle cycle_;
 
  private:
   void find_places();
@@ -103,6 +104,7 @@ Simulator::Impl::Impl(const profile::Machine& machine, const Pipeline& pipeline,
   find_places();
   find_channels();
   compile();
+  cycle_ = cycle_of(pipeline, works_, options_.frames);
 }
 
 void Simulator::Impl::find_places() {
@@ -168,7 +170,6 @@ void Simulator::Impl::find_channels() {
 void Simulator::Impl::compile() {
   for (std::uint32_t i = 0; i < works_.size(); ++i) {
     compiled_.emplace_back();
-    jitter_free_ = jitter_free_ && works_[i]->frames.size() == 1;
     for (const Place& place : places_[i]) {
       compiled_.back().push_back(compiler_.compile(*works_[i], place));
     }
@@ -273,9 +274,13 @@ auto Simulator::Impl::with_scratch(const Use& use) const {
 Figures Simulator::Impl::simulate(Scratch& scratch) const {
   scratch.clock.reset(scratch.scene);
   Driver<CompiledClock>(scratch.scene, scratch.clock, scratch.trace).run();
-  Figures figures = figures_of(scratch.trace, scratch.scene);
+  return priced(scratch, figures_of(scratch.trace, scratch.scene),
+                scratch.clock.consumption(scratch.trace));
+}
+
+Figures Simulator::Impl::priced(const Scratch& scratch, Figures figures,
+                                const Consumption& used) const {
   const Parts parts = parts_of(scratch.scene, machine_);
-  const Consumption used = scratch.clock.consumption(scratch.trace);
   set_energy(figures, scratch.scene, joules(used, parts, machine_), used.makespan);
   figures.price_usd = price_of(parts, machine_);
   return figures;
@@ -363,7 +368,9 @@ double Simulator::price(const TaskPlacement& placement) const {
 Figures Simulator::quick(const TaskPlacement& placement) const {
   return impl_->with_scratch([&](Impl::Scratch& scratch) {
     scratch.scene = impl_->scene(placement);
-    return impl_->simulate(scratch);
+    auto repeated = run_periodic(scratch.scene, impl_->cycle_, scratch.clock, scratch.trace);
+    if (!repeated) return impl_->simulate(scratch);
+    return impl_->priced(scratch, std::move(repeated->figures), repeated->consumption);
   });
 }
 
@@ -377,25 +384,6 @@ Figures Simulator::run(const TaskPlacement& placement) const {
     }
     impl_->add_engines(scratch, figures);
     return figures;
-  });
-}
-
-Figures Simulator::periodic(const TaskPlacement& placement) const {
-  if (!impl_->jitter_free_) {
-    throw Error("simulator: the workload (" + impl_->workload_.origin +
-                ") differs from frame to frame, expected frames that are all alike");
-  }
-  return impl_->with_scratch([&](Impl::Scratch& scratch) {
-    scratch.scene = impl_->scene(placement);
-    const std::size_t cycle = cycle_of(impl_->pipeline_);
-    scratch.scene.frames = (impl_->options_.frames + cycle - 1) / cycle * cycle;
-    auto run = run_periodic(scratch.scene, scratch.clock, scratch.trace);
-    if (!run) return impl_->simulate(scratch);
-    const Parts parts = parts_of(scratch.scene, impl_->machine_);
-    set_energy(run->figures, scratch.scene, joules(run->consumption, parts, impl_->machine_),
-               run->consumption.makespan);
-    run->figures.price_usd = price_of(parts, impl_->machine_);
-    return std::move(run->figures);
   });
 }
 

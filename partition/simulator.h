@@ -1,8 +1,8 @@
 // Simulator: the pipeline on a machine, without executing anything: every task is a host thread on
 // the node of its place, takes its frames in order, waits for its inputs, runs its program's steps,
 // posts its outputs. Times follow devices/timeline's rules to the nanosecond: reference() runs the
-// real Timeline and records it, run() is a compiled form of the same that is some hundred times
-// faster, periodic() the exact answer for frames that are all alike. Tests hold them equal.
+// real Timeline and records it, run() is a compiled form of the same that is some ten times faster,
+// quick() leaves out frames that repeat. Tests hold them equal.
 //
 // Arbitration: always the task with the smallest virtual time acts next, ties by its order in the
 // pipeline; an engine serves commands in the order in which they are enqueued, as early as they fit.
@@ -107,13 +107,11 @@ class Simulator {
   /// Price in USD of the devices used and of the CPUs of the nodes used.
   double price(const TaskPlacement& placement) const;
 
-  /// The figures over options().frames frames with their recorded jitter. const and thread-safe.
+  /// The figures over options().frames frames, the workload's repeated. Thread-safe.
   Figures run(const TaskPlacement& placement) const;
-  /// Only what a search compares: latency, perception, throughput, energy, power, price, late.
+  /// The same without ages, tasks and engines, and mostly without simulating all the frames: those
+  /// that begin on an idle machine and do what an earlier one did take as long as that one.
   Figures quick(const TaskPlacement& placement) const;
-  /// As quick(), for a workload without jitter (else Error), over options().frames rounded up to
-  /// whole cycles of the pipeline: exact, mostly without simulating them all.
-  Figures periodic(const TaskPlacement& placement) const;
   /// The same as run() on the real Timeline, with the record and the schedule.
   Reference reference(const TaskPlacement& placement) const;
 
