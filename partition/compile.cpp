@@ -80,6 +80,36 @@ timeline::Layout scaled_layout(const profile::Machine& machine, const Speeds& sp
   return layout;
 }
 
+FreeFrame run_free(const CompiledTask& task, const CompiledFrame& frame) {
+  FreeFrame free;
+  Ns clock = 0, queue_end = 0;
+  const auto block = [&](Ns end) {
+    clock += task.api_ns;
+    if (end > clock) clock = end + task.wakeup_ns;
+  };
+  for (const Op& op : frame.ops) {
+    if (op.type == OpType::finish) {
+      block(queue_end);
+      continue;
+    }
+    if (op.type == OpType::host) {
+      clock += op.alone;
+      free.host += op.alone;
+      continue;
+    }
+    Ns& engine = op.type == OpType::write  ? free.to_device
+                 : op.type == OpType::read ? free.from_device
+                                           : free.compute;
+    engine += op.alone;
+    clock += task.api_ns;
+    queue_end = std::max(clock + task.submit_ns, queue_end) + op.alone;
+    if (op.blocking) block(queue_end);
+  }
+  free.duration = clock;
+  free.queue_end = queue_end;
+  return free;
+}
+
 }  // namespace
 
 Compiler::Compiler(const profile::Machine& machine, const Speeds& speeds)
@@ -274,6 +304,7 @@ CompiledTask Compiler::compile(const TaskWork& task, const Place& place) {
       if (held[s] > 0) frame.held.emplace_back(s, held[s]);
     }
     find_runs(compiled, frame);
+    frame.free = run_free(compiled, frame);
     compiled.frames.push_back(std::move(frame));
   }
   return compiled;

@@ -50,8 +50,19 @@ struct OpDetail {
   model::Launch launch;
 };
 
+/// What a frame takes where every command finds free engines and an idle memory, from whenever it
+/// starts. On a busy machine none is shorter, and nothing starts earlier.
+struct FreeFrame {
+  Ns duration = 0;
+  Ns queue_end = 0;  ///< after the start, of the last command; 0: there is none
+  Ns host = 0;       ///< core time of host steps
+  Ns compute = 0;    ///< time of the device's compute and copy engines; of a CPU: core time
+  Ns to_device = 0, from_device = 0;
+};
+
 struct CompiledFrame {
   std::vector<Op> ops;
+  FreeFrame free;
   std::vector<FreeRun> free_runs;
   /// What its device operations hold when nobody disturbs them, by slot.
   std::vector<std::pair<std::uint32_t, Ns>> held;

@@ -12,44 +12,6 @@ namespace {
 
 using profile::DeviceType;
 
-/// What a frame takes where every command finds free engines and an idle memory. On a busy machine
-/// none is shorter, and nothing starts earlier.
-struct FreeFrame {
-  Ns duration = 0;
-  Ns host = 0;     ///< core time of host steps
-  Ns compute = 0;  ///< time of the device's compute and copy engines; of a CPU: core time
-  Ns to_device = 0, from_device = 0;
-};
-
-FreeFrame run_free(const CompiledTask& task, const CompiledFrame& frame) {
-  FreeFrame free;
-  Ns clock = 0, queue_end = 0;
-  const auto block = [&](Ns end) {
-    clock += task.api_ns;
-    if (end > clock) clock = end + task.wakeup_ns;
-  };
-  for (const Op& op : frame.ops) {
-    if (op.type == OpType::finish) {
-      block(queue_end);
-      continue;
-    }
-    if (op.type == OpType::host) {
-      clock += op.alone;
-      free.host += op.alone;
-      continue;
-    }
-    Ns& engine = op.type == OpType::write  ? free.to_device
-                 : op.type == OpType::read ? free.from_device
-                                           : free.compute;
-    engine += op.alone;
-    clock += task.api_ns;
-    queue_end = std::max(clock + task.submit_ns, queue_end) + op.alone;
-    if (op.blocking) block(queue_end);
-  }
-  free.duration = clock;
-  return free;
-}
-
 /// Whether the host has waited for the whole queue when the frame is over. If not, its work may go
 /// on when its result is there already.
 bool drained(const CompiledFrame& frame) {
@@ -168,7 +130,7 @@ Least Simulated::find_least(std::uint32_t task, const Place& place) const {
   bool drains = true;
   for (std::size_t k = 0; k < frames(); k += what.every) {
     const CompiledFrame& frame = compiled.frame(k);
-    const FreeFrame free = run_free(compiled, frame);
+    const FreeFrame& free = frame.free;
     duration.add(static_cast<double>(free.duration));
     energy.add(energy_j(compiled, frame, free));
     host.add(static_cast<double>(free.host));
