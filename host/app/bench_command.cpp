@@ -1,8 +1,6 @@
 // partita bench: what our own software costs.
 #include <algorithm>
-#include <filesystem>
 #include <sstream>
-#include <stdlib.h>
 #include <thread>
 
 #include <fmt/format.h>
@@ -12,6 +10,7 @@
 #include "host/app/environment.h"
 #include "host/app/exit_code.h"
 #include "host/app/overhead.h"
+#include "host/app/scratch.h"
 
 namespace partita::app {
 namespace {
@@ -104,22 +103,6 @@ int overhead(const OverheadOptions& options, const Console& console) {
                  document);
   return exit_ok;
 }
-
-/// A folder for caches and results, removed at the end.
-class Scratch {
- public:
-  Scratch() : path_((std::filesystem::temp_directory_path() / "partita-XXXXXX").string()) {
-    if (mkdtemp(path_.data()) == nullptr) throw OutputError(path_ + ": cannot be created");
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 int start(const std::string& machine, int runs, const Console& console) {
   const Scratch scratch;
