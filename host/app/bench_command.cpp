@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "host/app/bench.h"
 #include "host/app/child.h"
 #include "host/app/command.h"
 #include "host/app/environment.h"
@@ -171,10 +172,12 @@ void add_start(CLI::App& bench, Context& context) {
 
 void add_bench(CLI::App& app, Context& context) {
   CLI::App* command = add_subcommand(app, context, "bench", "Measure what Partita itself costs",
-                                     "partita bench overhead\npartita bench start --json");
+                                     "partita bench overhead\npartita bench start --json\n"
+                                     "partita bench simulate --machine all");
   command->require_subcommand(1);
   add_overhead(*command, context);
   add_start(*command, context);
+  add_bench_simulate(*command, context);
 }
 
 }  // namespace partita::app

@@ -48,6 +48,7 @@ int parse_and_run(int argc, char** argv, Context& context) {
   app.require_subcommand(1);
   add_run(app, context);
   add_explore(app, context);
+  add_diff(app, context);
   add_devices(app, context);
   add_emulate(app, context);
   add_verify(app, context);

@@ -16,12 +16,12 @@ using partition::Score;
 using plot::Anchor;
 using plot::Point;
 
-constexpr double kWidth = 1200, kHeight = 680, kLeft = 88, kRight = 880, kTop = 76, kBottom = 612;
+constexpr double kWidth = 1220, kHeight = 680, kLeft = 88, kRight = 880, kTop = 76, kBottom = 612;
 
 struct Group {
   std::string name;
   double least_usd = 0, most_usd = 0;
-  std::size_t size = 0;
+  std::size_t shown = 0;
 };
 
 struct Plotted {
@@ -94,17 +94,31 @@ class ParetoPlot {
     Group& g = groups_[index];
     g.least_usd = std::min(g.least_usd, score.price_usd);
     g.most_usd = std::max(g.most_usd, score.price_usd);
-    ++g.size;
     return index;
+  }
+
+  /// Who leaves out work is quick and saves energy: beside who does not, that says nothing.
+  bool shown(const Score& score) const {
+    return score.dropped == 0 || report_.winner().best->score.dropped > 0;
   }
 
   void collect(const MachineResult& result) {
     for (const partition::Scored& point : result.front) {
       const std::string name = several() ? result.machine : parts_in_use(result, point.placement);
-      front_.push_back({point.score, group(name, point.score)});
+      const std::size_t in = group(name, point.score);
+      if (!shown(point.score)) {
+        ++left_out_;
+        continue;
+      }
+      front_.push_back({point.score, in});
+      ++groups_[in].shown;
     }
     for (const Score& score : result.dominated) {
-      dominated_.push_back({score, groups_.empty() ? 0 : groups_.size() - 1});
+      if (shown(score)) {
+        dominated_.push_back({score, groups_.empty() ? 0 : groups_.size() - 1});
+      } else {
+        ++left_out_;
+      }
     }
   }
 
@@ -212,6 +226,7 @@ class ParetoPlot {
     };
     heading(several() ? "Machine" : "Accelerators in use");
     for (std::size_t g = 0; g < groups_.size(); ++g) {
+      if (groups_[g].shown == 0) continue;
       entry({.radius = 5.5, .fill = plot::series(g)}, groups_[g].name);
     }
     y += 14;
@@ -233,20 +248,35 @@ class ParetoPlot {
     const auto complete = std::count_if(front_.begin(), front_.end(),
                                         [](const Plotted& p) { return p.score.dropped == 0; });
     entry({.radius = 5.5, .fill = plot::kGrey},
-          fmt::format("not dominated{} ({})", several() ? " on its machine" : "", complete));
+          fmt::format("not dominated{} ({})", several() ? " there" : "", complete));
     const auto dropping = front_.size() - static_cast<std::size_t>(complete);
     if (dropping > 0) {
       entry({.radius = 5.5, .fill = plot::kWhite, .border = 2, .border_colour = plot::kGrey},
             fmt::format("the same, but drops frames ({})", dropping));
     }
-    entry({.radius = 2.5, .fill = plot::kLight}, fmt::format("dominated ({})", dominated_.size()));
+    entry({.radius = 2.5, .fill = plot::kLight},
+          fmt::format("dominated, pale ({})", dominated_.size()));
     drawing_.add(plot::Line{{{kX - 8, y - 5}, {kX + 8, y - 5}}, plot::kGrey, 1.5});
     drawing_.add(plot::Text{{kText, y}, "front of these two figures", 14});
     y += 38;
-    for (const char* line : {"Domination also counts median", "latency, throughput, price, FPGA",
-                             "area and frames dropped."}) {
-      drawing_.add(plot::Text{{kX - 8, y}, line, 13, Anchor::start, plot::kGrey});
-      y += 19;
+    notes({kX - 8, y});
+  }
+
+  void notes(Point at) {
+    std::vector<std::string> lines{"Domination also counts median", "latency, throughput, price,",
+                                   "FPGA area and frames dropped."};
+    if (left_out_ > 0) {
+      std::string none;
+      for (const Group& g : groups_) {
+        if (g.shown == 0) none += (none.empty() ? "" : ", ") + g.name.substr(0, g.name.find(','));
+      }
+      lines.push_back(
+          fmt::format("Not shown: {} that drop frames{}", left_out_, none.empty() ? "." : ""));
+      if (!none.empty()) lines.push_back("(all of " + none + ").");
+    }
+    for (const std::string& line : lines) {
+      drawing_.add(plot::Text{at, line, 13, Anchor::start, plot::kGrey});
+      at.y += 19;
     }
   }
 
@@ -254,6 +284,7 @@ class ParetoPlot {
   plot::Drawing drawing_;
   std::vector<Group> groups_;
   std::vector<Plotted> front_, dominated_;
+  std::size_t left_out_ = 0;
 };
 
 }  // namespace

@@ -47,10 +47,13 @@ double Axis::operator()(double value) const {
 std::vector<Tick> Axis::ticks(std::size_t count) const {
   std::vector<Tick> ticks;
   if (logarithmic_) {
+    // Over many powers of ten, only those.
+    const bool all = std::log10(most_ / least_) * 3 <= 1.5 * static_cast<double>(count);
     for (double power = std::pow(10, std::floor(std::log10(least_))); power <= most_; power *= 10) {
       for (const double factor : {1.0, 2.0, 5.0}) {
         const double value = factor * power;
-        if (value >= least_ && value <= most_) ticks.push_back({value, fmt::format("{:g}", value)});
+        const bool inside = value >= least_ && value <= most_;
+        if (inside && (all || factor == 1)) ticks.push_back({value, fmt::format("{:g}", value)});
       }
     }
     return ticks;

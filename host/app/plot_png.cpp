@@ -71,7 +71,7 @@ class Raster {
   void operator()(const Text& text) {
     // A Hershey font's capitals are 21 units high, a sans-serif font's 0.72 of its size.
     const double scale = text.size * kScale * 0.72 / 21;
-    const int stroke = std::max(1, static_cast<int>(std::lround(scale * (text.bold ? 3.2 : 1.9))));
+    const int stroke = std::max(1, static_cast<int>(std::lround(scale * (text.bold ? 2.8 : 1.9))));
     int base = 0;
     const cv::Size size = cv::getTextSize(text.text, kFont, scale, stroke, &base);
     const double shift = text.anchor == Anchor::start    ? 0

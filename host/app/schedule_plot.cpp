@@ -189,15 +189,14 @@ class SchedulePlot {
       drawing.add(plot::Line{{{px, kTop}, {px, bottom + 5}}, plot::kLight});
       drawing.add(plot::Text{{px, bottom + 22}, fmt::format("{:g}", k * step), 13, Anchor::middle});
     }
-    for (std::size_t k = 0; k < window_.frames; ++k) {
-      const double px = x(window_.from + k * report_.pipeline.period_ns);
+    const std::size_t frames = report_.options.frames;
+    for (std::size_t k = window_.first; k < frames; ++k) {
+      const Ns trigger = k * report_.pipeline.period_ns;
+      if (trigger >= window_.to) break;
+      const double px = x(trigger);
       drawing.add(plot::Line{{{px, kTop - 22}, {px, bottom}}, plot::kInk, 1.25, true});
-      drawing.add(plot::Text{{px + 5, kTop - 8},
-                             fmt::format("frame {}", window_.first + k),
-                             13,
-                             Anchor::start,
-                             plot::kInk,
-                             true});
+      drawing.add(plot::Text{
+          {px + 5, kTop - 8}, fmt::format("frame {}", k), 13, Anchor::start, plot::kInk, true});
     }
     drawing.add(plot::Line{{{kLeft, bottom}, {kRight, bottom}}, plot::kInk, 1.5});
     drawing.add(plot::Text{{(kLeft + kRight) / 2, bottom + 50},
