@@ -3,6 +3,7 @@
 #ifndef PARTITA_HOST_APP_EXPLORE_H
 #define PARTITA_HOST_APP_EXPLORE_H
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,8 +30,9 @@ struct ExploreOptions {
   bool force = false;
 };
 
-/// Names of what is written, beside the trace and the counts.
 inline constexpr const char* kExploreFile = "explore.json";
+/// More make a trace that no viewer opens, and a record that does not fit the memory.
+inline constexpr std::size_t kScheduleFrames = 100;
 
 /// Everything that the answers are made of.
 struct ExploreReport {
@@ -41,7 +43,9 @@ struct ExploreReport {
   std::vector<profile::Machine> machines;
   std::vector<std::unique_ptr<partition::Evaluator>> evaluators;  ///< one per machine
   partition::Exploration exploration;
-  std::optional<partition::Reference> best;  ///< of the first in the ranking, with its schedule
+  /// Of the first in the ranking, with its schedule, for kScheduleFrames frames at most.
+  std::optional<partition::Reference> best;
+  std::size_t scheduled_frames = 0;
   std::vector<std::string> files;
 
   bool partial() const;
@@ -62,8 +66,10 @@ struct ExploreReport {
 };
 
 /// Sets pipeline, counts and workload as the options say; runs the scenario where they ask for it.
-/// The pipeline's pictures become those of the run.
-void prepare_workload(ExploreReport& report, const Console& console);
+/// The pipeline's pictures become those of the run. `check_early` is called with the pipeline
+/// before anything runs that takes long.
+void prepare_workload(ExploreReport& report, const Console& console,
+                      const std::function<void(const partition::Pipeline&)>& check_early);
 
 /// The content of explore.json. No figure in it is measured; the same inputs give the same bytes.
 Json to_json(const ExploreReport& report);
@@ -76,7 +82,7 @@ std::string to_csv(const ExploreReport& report);
 void write_pareto_plot(const std::string& folder, const ExploreReport& report);
 /// The same: some frames of the best placement's schedule, a lane for each engine.
 void write_schedule_plot(const std::string& folder, const ExploreReport& report);
-/// trace.json: all frames of it.
+/// trace.json: the same for all of report.scheduled_frames.
 void write_schedule_trace(const std::string& path, const ExploreReport& report);
 
 }  // namespace partita::app

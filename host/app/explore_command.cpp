@@ -12,6 +12,7 @@
 #include "host/app/result_folder.h"
 #include "host/app/stop.h"
 #include "host/app/wall_clock.h"
+#include "host/app/workload.h"
 #include "host/io/file.h"
 #include "host/io/json_file.h"
 #include "partition/simulated.h"
@@ -55,7 +56,9 @@ class Explore {
     load_machines();
     refuse_foreign_folder(options_.out, options_.force, results());
     try {
-      prepare_workload(report_, console_);
+      prepare_workload(report_, console_, [&](const partition::Pipeline& pipeline) {
+        check_pins(pipeline, search.pins);
+      });
     } catch (const ChildFailed& failed) {
       return failed.status();
     }
@@ -64,7 +67,7 @@ class Explore {
           partition::simulated(machine, report_.pipeline, report_.workload, simulation()));
     }
     catch_stop_signals();
-    this->search(search);
+    find(search);
     write();
     console_.notice(
         fmt::format("answered in {:.1f} s", static_cast<double>(wall_now() - start) * 1e-9));
@@ -113,7 +116,23 @@ class Explore {
     }
   }
 
-  void search(partition::SearchOptions search) {
+  /// Typical work is enough to see that no machine can satisfy the pins.
+  void check_pins(const partition::Pipeline& pipeline,
+                  const std::vector<partition::Pin>& pins) const {
+    const partition::Workload workload = typical_workload(pipeline);
+    std::string why;
+    for (const profile::Machine& machine : report_.machines) {
+      try {
+        partition::choices(*partition::simulated(machine, pipeline, workload, simulation()), pins);
+        return;
+      } catch (const partition::PinError& error) {
+        why += (why.empty() ? "" : "; ") + std::string(error.what());
+      }
+    }
+    throw partition::PinError(why);
+  }
+
+  void find(partition::SearchOptions search) {
     std::vector<const partition::Evaluator*> evaluators;
     for (const auto& evaluator : report_.evaluators) evaluators.push_back(evaluator.get());
     std::optional<ProgressBar> bar;
@@ -135,8 +154,10 @@ class Explore {
       throw;
     }
     const partition::MachineResult& winner = report_.winner();
+    partition::SimulatorOptions options = simulation();
+    options.frames = report_.scheduled_frames = std::min(options.frames, kScheduleFrames);
     const partition::Simulator simulator(report_.machine(winner), report_.pipeline,
-                                         report_.workload, simulation());
+                                         report_.workload, options);
     report_.best = simulator.reference(winner.best->placement);
   }
 

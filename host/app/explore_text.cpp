@@ -123,7 +123,7 @@ class ExplorationText {
     }
     text += table.to_string(console_.colour());
     for (const MachineResult& result : report_.exploration.machines) {
-      if (!result.best) text += "no answer: " + result.unreachable + "\n";
+      if (!result.best) text += wrapped("no answer: ", result.unreachable);
     }
     return text;
   }
@@ -160,7 +160,8 @@ class ExplorationText {
   std::string best() const {
     const Detailed& best = *winner_.best;
     std::string text = title(fmt::format("best placement on {} (predicted)", winner_.machine));
-    text += method() + "\n\n" + task_table(best);
+    text += wrapped("", method()) + "\n";
+    text += task_table(best);
     const auto& works = report_.workload.tasks;
     if (std::any_of(works.begin(), works.end(), [](const auto& task) { return task.outline; })) {
       text +=
@@ -246,7 +247,8 @@ class ExplorationText {
       for (const std::string& change : tie.changes) {
         changes += (changes.empty() ? "" : ", ") + change;
       }
-      text += fmt::format("- {}: {}\n", show(objective_, value(objective_, tie.score)), changes);
+      text += wrapped("- ", fmt::format("p99 {} ms, {:.2f} J, {} USD: {}", ms(tie.score.p99_ns),
+                                        tie.score.energy_j, usd(tie.score.price_usd), changes));
     }
     if (winner_.ties.size() > kTieRows) {
       text += fmt::format("- {} more, in {}\n", winner_.ties.size() - kTieRows, kExploreFile);
@@ -313,7 +315,7 @@ class ExplorationText {
     for (std::size_t i = 0; i < winner_.refusals.size(); ++i) {
       const partition::Refusal& refusal = winner_.refusals[i];
       if (i < kRefusalRows) {
-        text += fmt::format("- {}: {}\n", thousands(refusal.count), refusal.reason);
+        text += wrapped("- ", fmt::format("{}: {}", thousands(refusal.count), refusal.reason));
       } else {
         left += refusal.count;
       }

@@ -108,7 +108,8 @@ void declare_areas(const std::string& file, partition::Workload& workload) {
 
 }  // namespace
 
-void prepare_workload(ExploreReport& report, const Console& console) {
+void prepare_workload(ExploreReport& report, const Console& console,
+                      const std::function<void(const partition::Pipeline&)>& check_early) {
   const ExploreOptions& options = report.options;
   report.pipeline = partition::load_pipeline(options.pipeline, places().profiles);
   if (!options.from.empty()) {
@@ -118,6 +119,7 @@ void prepare_workload(ExploreReport& report, const Console& console) {
     const bool same = width == report.pipeline.width && height == report.pipeline.height;
     if (!same) partition::resize(report.pipeline, width, height);
   } else if (!options.no_execute) {
+    check_early(report.pipeline);
     report.counts = run_scenario(report, console);
   }
   report.workload = report.counts ? recorded_workload(report.pipeline, *report.counts)

@@ -49,7 +49,7 @@ class SchedulePlot {
       : report_(report),
         record_(report.best->record),
         schedule_(report.best->schedule),
-        window_(window_of(report.pipeline, report.options.frames)) {
+        window_(window_of(report.pipeline, report.scheduled_frames)) {
     extend_to_last_end();
     choose_lanes();
   }
@@ -189,7 +189,7 @@ class SchedulePlot {
       drawing.add(plot::Line{{{px, kTop}, {px, bottom + 5}}, plot::kLight});
       drawing.add(plot::Text{{px, bottom + 22}, fmt::format("{:g}", k * step), 13, Anchor::middle});
     }
-    const std::size_t frames = report_.options.frames;
+    const std::size_t frames = report_.scheduled_frames;
     for (std::size_t k = window_.first; k < frames; ++k) {
       const Ns trigger = k * report_.pipeline.period_ns;
       if (trigger >= window_.to) break;
