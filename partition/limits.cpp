@@ -90,9 +90,13 @@ double figure(Limited what, const Score& score) {
 std::string show(Limited what, double value) {
   const Unit& unit = units(what).front();
   char text[64];
-  std::snprintf(text, sizeof text, "%.*f %.*s", what == Limited::price ? 0 : 3, value / unit.factor,
-                static_cast<int>(unit.name.size()), unit.name.data());
-  return text;
+  std::snprintf(text, sizeof text, "%.*f", what == Limited::price ? 0 : 3, value / unit.factor);
+  std::string number = text;
+  if (number.find('.') != std::string::npos) {
+    number.erase(number.find_last_not_of('0') + 1);
+    if (number.back() == '.') number.pop_back();
+  }
+  return number.append(" ").append(unit.name);
 }
 
 bool Limits::met(const Score& score) const {

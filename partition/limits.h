@@ -18,7 +18,7 @@ inline constexpr std::array kLimited{Limited::power, Limited::price, Limited::la
 std::string_view to_string(Limited what);
 /// The figure that is limited: W, USD, ns (p99), J per frame.
 double figure(Limited what, const Score& score);
-/// "30 W", "1,500 USD", "99.5 ms", "2 J".
+/// "30 W", "1500 USD", "99.5 ms", "2 J".
 std::string show(Limited what, double value);
 
 struct Limits {

@@ -149,7 +149,15 @@ void add_front(const Explored& explored, const std::vector<std::size_t>& order,
   std::vector<Score> scores;
   for (const std::size_t i : order) scores.push_back(explored.points()[i].score);
   std::vector<std::size_t> front;
-  for (const std::size_t i : pareto_front(scores)) front.push_back(order[i]);
+  const std::vector<std::size_t> best = pareto_front(scores);
+  for (std::size_t i = 0, next = 0; i < order.size(); ++i) {
+    if (next < best.size() && best[next] == i) {
+      front.push_back(order[i]);
+      ++next;
+    } else {
+      result.dominated.push_back(scores[i]);
+    }
+  }
   std::sort(front.begin(), front.end(), [&](std::size_t a, std::size_t b) {
     const Point &p = explored.points()[a], &q = explored.points()[b];
     if (ranks_before(Objective::latency, p.score, q.score)) return true;

@@ -87,6 +87,12 @@ std::string_view to_string(Method method) {
 
 std::string describe(const Rival& rival, Objective objective) {
   const Comparison& c = rival.comparison;
+  std::string changes;
+  for (const std::string& change : rival.changes) append(changes, change);
+  if (c.nominal == 0 && c.least == 0 && c.most == 0 && c.dropped == 0) {
+    return "the next best has exactly the same " + std::string(to_string(c.by)) + " (" + changes +
+           "): a tie";
+  }
   std::string text = c.beats ? "the next best " : "a tie with the next best, which ";
   if (c.by != objective) {
     text += "has the same " + std::string(to_string(objective)) + " and ";
@@ -97,8 +103,6 @@ std::string describe(const Rival& rival, Objective objective) {
     std::snprintf(share, sizeof share, "%.1f %%", 100 * std::abs(c.dropped));
     text.append("drops ").append(share).append(than_best(c.dropped)).append(" of the work and ");
   }
-  std::string changes;
-  for (const std::string& change : rival.changes) append(changes, change);
   text.append(c.by == Objective::throughput ? "does " : "takes ")
       .append(show(c.by, std::abs(c.nominal)))
       .append(than_best(c.nominal))

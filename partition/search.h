@@ -103,6 +103,7 @@ struct MachineResult {
   /// Non-dominated placements within the limits, by latency p99.
   std::vector<Scored> front;
   bool exact_front = false;  ///< of all placements; else of those evaluated
+  std::vector<Score> dominated;  ///< of the others within the limits, best first
 
   Method method = Method::enumeration;
   bool optimal = false;

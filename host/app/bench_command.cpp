@@ -1,17 +1,17 @@
 // partita bench: what our own software costs.
 #include <algorithm>
-#include <filesystem>
 #include <sstream>
-#include <stdlib.h>
 #include <thread>
 
 #include <fmt/format.h>
 
+#include "host/app/bench.h"
 #include "host/app/child.h"
 #include "host/app/command.h"
 #include "host/app/environment.h"
 #include "host/app/exit_code.h"
 #include "host/app/overhead.h"
+#include "host/app/scratch.h"
 
 namespace partita::app {
 namespace {
@@ -105,22 +105,6 @@ int overhead(const OverheadOptions& options, const Console& console) {
   return exit_ok;
 }
 
-/// A folder for caches and results, removed at the end.
-class Scratch {
- public:
-  Scratch() : path_((std::filesystem::temp_directory_path() / "partita-XXXXXX").string()) {
-    if (mkdtemp(path_.data()) == nullptr) throw OutputError(path_ + ": cannot be created");
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
 int start(const std::string& machine, int runs, const Console& console) {
   const Scratch scratch;
   Table table({"run", "start to first frame", "of that warm-up"});
@@ -188,10 +172,12 @@ void add_start(CLI::App& bench, Context& context) {
 
 void add_bench(CLI::App& app, Context& context) {
   CLI::App* command = add_subcommand(app, context, "bench", "Measure what Partita itself costs",
-                                     "partita bench overhead\npartita bench start --json");
+                                     "partita bench overhead\npartita bench start --json\n"
+                                     "partita bench simulate --machine all");
   command->require_subcommand(1);
   add_overhead(*command, context);
   add_start(*command, context);
+  add_bench_simulate(*command, context);
 }
 
 }  // namespace partita::app

@@ -8,8 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "host/runtime/error.h"
-
 namespace partita::app {
 namespace {
 
@@ -48,9 +46,9 @@ std::string run_self(const std::vector<std::string>& arguments,
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw Error(fmt::format("partita {} failed in a child process", arguments.front()));
-  }
+  const std::string what = fmt::format("partita {} failed in a child process", arguments.front());
+  if (!WIFEXITED(status)) throw Error(what);
+  if (WEXITSTATUS(status) != 0) throw ChildFailed(what, WEXITSTATUS(status));
   return text;
 }
 

@@ -41,11 +41,14 @@ int parse_and_run(int argc, char** argv, Context& context) {
       "pipeline through OpenCL on declared hardware, with real results and predicted times.",
       "partita"};
   app.set_version_flag("--version", "partita " PARTITA_VERSION);
-  app.footer(std::string("Examples:\n  partita run --scenario --frames 10\n"
+  app.footer(std::string("Examples:\n  partita explore --machine all --no-execute\n"
+                         "  partita run --scenario --frames 10\n"
                          "  partita devices --machine tx2\n  partita emulate -- clinfo -l\n\n") +
              kExitCodeHelp);
   app.require_subcommand(1);
   add_run(app, context);
+  add_explore(app, context);
+  add_diff(app, context);
   add_devices(app, context);
   add_emulate(app, context);
   add_verify(app, context);

@@ -1,7 +1,5 @@
 // partita run: the perception pipeline over a data set or the built-in scenario.
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -16,6 +14,7 @@
 #include "host/app/command.h"
 #include "host/app/environment.h"
 #include "host/app/exit_code.h"
+#include "host/app/result_folder.h"
 #include "host/app/run.h"
 #include "host/app/run_counts.h"
 #include "host/app/stop.h"
@@ -29,39 +28,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kResults[] = {"overview.png", "trajectory.txt", "trajectory.tum",
-                                    "trace.json",   "work.json",      "summary.json"};
-
-bool is_earlier_run(const fs::path& folder) {
-  if (io::is_partial(folder.string(), io::kRunWriter)) return true;
-  std::ifstream summary(folder / "summary.json");
-  std::string brace, key, value;
-  return summary >> brace >> key >> value && key == "\"tool\":" && value == "\"partita\",";
-}
-
-/// An earlier run's folder may be overwritten. Somebody else's may be written into with --force,
-/// but none of its files replaced: what bears a result's name must not be there.
-void refuse_foreign_folder(const fs::path& folder, bool force) {
-  std::error_code code;
-  if (!fs::is_directory(folder, code) || fs::is_empty(folder, code)) return;
-  if (is_earlier_run(folder)) return;
-  if (!force) {
-    throw OutputError(
-        fmt::format("{}: holds files that no earlier run wrote; choose another --out or add "
-                    "--force",
-                    folder.string()));
-  }
-  std::vector<std::string> names(std::begin(kResults), std::end(kResults));
-  names.insert(names.end(), {"disparity", "PARTIAL"});
-  for (const std::string& name : names) {
-    const fs::path path = folder / name;
-    if (!fs::exists(fs::symlink_status(path, code))) continue;
-    if (fs::is_directory(path, code) && fs::is_empty(path, code)) continue;
-    throw OutputError(
-        fmt::format("{}: no earlier run wrote it, and even --force does not replace it; choose "
-                    "another --out",
-                    path.string()));
-  }
+const ResultFiles& results() {
+  static const ResultFiles files{
+      .writer = io::kRunWriter,
+      .identity = "summary.json",
+      .files = {"overview.png", "trajectory.txt", "trajectory.tum", "trace.json", "work.json",
+                "summary.json"},
+      .folders = {"disparity"}};
+  return files;
 }
 
 /// Whether `path` is `folder` or lies in it; both without symbolic links.
@@ -86,12 +60,6 @@ void refuse_dataset_folder(const fs::path& out, const fs::path& dataset) {
   if (!shared) return;
   throw OutputError(fmt::format("{}: would write into the data set '{}'; choose another --out",
                                 out.string(), dataset.string()));
-}
-
-/// An earlier run's results must not be taken for this one's if this one ends early.
-void remove_earlier_results(const io::OutputFolder& folder) {
-  std::error_code ignored;
-  for (const char* name : kResults) fs::remove(folder.file(name), ignored);
 }
 
 /// Seconds since this process was started, dynamic linking included.
@@ -131,7 +99,7 @@ class Run {
                    .recording = true});
     open_source();
     if (!options_.dataset.empty()) refuse_dataset_folder(options_.out, options_.dataset);
-    refuse_foreign_folder(options_.out, options_.force);
+    refuse_foreign_folder(options_.out, options_.force, results());
     // A container that the user names holds the device's own circuits.
     const bool own = options_.execute.empty() ? native || !options_.container.empty()
                                               : options_.execute == "own";
@@ -141,7 +109,7 @@ class Run {
         source_->calibration());
     const io::OutputFolder folder =
         output([&] { return io::OutputFolder(options_.out, io::kRunWriter); });
-    remove_earlier_results(folder);
+    remove_earlier_results(folder, results());
     catch_stop_signals();
     return process(pipeline, folder, placement, execute);
   }

@@ -6,46 +6,13 @@
 #include <fmt/format.h>
 
 #include "host/app/run.h"
+#include "host/app/schedule_trace.h"
 #include "host/io/trace.h"
 
 namespace partita::app {
 namespace {
 
 using timeline::RecordedCommand;
-
-std::string name_of(const timeline::Record& record, const RecordedCommand& command) {
-  const std::string& name = record.names[command.name];
-  return name.empty() ? std::string(timeline::to_string(command.kind)) : name;
-}
-
-Json details(const timeline::Record& record, const RecordedCommand& command) {
-  Json args;
-  args["frame"] = command.frame;
-  args["kind"] = timeline::to_string(command.kind);
-  if (command.bytes > 0) args["bytes"] = command.bytes;
-  if (command.work != timeline::kNone) {
-    args["work"] = record.works[command.work].estimated != 0 ? "estimated" : "declared";
-  }
-  return args;
-}
-
-void write_predicted(io::TraceWriter& trace, const Prediction& prediction) {
-  const int process = trace.process("predicted (virtual time on " + prediction.machine.id + ")");
-  std::vector<io::TraceWriter::Lane> lanes;
-  for (const timeline::Engine& engine : prediction.schedule.engines) {
-    lanes.push_back(trace.lane(process, engine.name));
-  }
-  for (const timeline::Occupation& part : prediction.schedule.occupations) {
-    const RecordedCommand& command = prediction.record.commands[part.node];
-    const timeline::Times& times = prediction.schedule.commands[part.node].times;
-    Json args = details(prediction.record, command);
-    args["queued_ns"] = times.queued;
-    args["submit_ns"] = times.submit;
-    trace.complete(lanes[part.engine], name_of(prediction.record, command),
-                   prediction.record.names[command.task], static_cast<std::int64_t>(part.start),
-                   static_cast<std::int64_t>(part.end - part.start), args);
-  }
-}
 
 class MeasuredTrace {
  public:
@@ -99,7 +66,9 @@ class MeasuredTrace {
 
 void write_run_trace(const std::string& path, const RunReport& report) {
   io::TraceWriter trace(path);
-  if (report.prediction) write_predicted(trace, *report.prediction);
+  if (const auto& predicted = report.prediction) {
+    write_schedule(trace, predicted->machine.id, predicted->record, predicted->schedule);
+  }
   MeasuredTrace measured(trace, report);
   measured.write_frames();
   if (report.prediction) measured.write_commands(report.prediction->record);

@@ -33,6 +33,7 @@ class OutputFolder {
 
 /// The writers of output folders.
 inline constexpr const char* kRunWriter = "partita run";
+inline constexpr const char* kExploreWriter = "partita explore";
 inline constexpr const char* kGenerateWriter = "partita generate";
 
 /// Whether `path` holds the mark of something unfinished, whoever's it is.

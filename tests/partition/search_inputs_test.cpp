@@ -64,7 +64,7 @@ TEST(Limits, AreReadWithAndWithoutUnits) {
   EXPECT_EQ(limits[Limited::latency], 0.1e9);
   EXPECT_EQ(limits[Limited::energy], 0.5);
   EXPECT_EQ(limits.to_string(),
-            "power=30.000 W, price=1500 USD, latency=100.000 ms, energy=0.500 J");
+            "power=30 W, price=1500 USD, latency=100 ms, energy=0.5 J");
   Limits bare;
   parse_limit("latency=100", bare);
   EXPECT_EQ(bare[Limited::latency], 100e6);

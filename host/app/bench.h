@@ -1,0 +1,13 @@
+// The parts of `partita bench` that have files of their own.
+#ifndef PARTITA_HOST_APP_BENCH_H
+#define PARTITA_HOST_APP_BENCH_H
+
+#include "host/app/command.h"
+
+namespace partita::app {
+
+void add_bench_simulate(CLI::App& bench, Context& context);
+
+}  // namespace partita::app
+
+#endif  // PARTITA_HOST_APP_BENCH_H

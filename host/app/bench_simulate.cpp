@@ -1,0 +1,194 @@
+// partita bench simulate: how many placements of the pipeline one core of this computer simulates.
+#include <algorithm>
+#include <fstream>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "devices/profile/machine.h"
+#include "host/app/bench.h"
+#include "host/app/environment.h"
+#include "host/app/exit_code.h"
+#include "host/app/wall_clock.h"
+#include "host/app/workload.h"
+#include "host/tasks/depth/program.h"
+#include "host/tasks/frontend/program.h"
+#include "partition/pins.h"
+#include "partition/simulated.h"
+
+namespace partita::app {
+namespace {
+
+using partition::TaskPlacement;
+
+struct SimulateOptions {
+  std::vector<std::string> machines{"dragonfly"};
+  std::string pipeline = "dragonfly";
+  std::size_t frames = 100;
+  int rounds = 5;
+};
+
+/// "AMD EPYC 7763 64-Core Processor"; empty where the system does not say.
+std::string processor() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    if (!line.starts_with("model name")) continue;
+    const std::size_t value = line.find_first_not_of(" \t", line.find(':') + 1);
+    return value == std::string::npos ? "" : line.substr(value);
+  }
+  return "";
+}
+
+/// 30 frames whose counts scatter by a fifth around the typical ones, the same in every run.
+RunCounts scattered_counts(const partition::Pipeline& pipeline) {
+  const int width = static_cast<int>(pipeline.width), height = static_cast<int>(pipeline.height);
+  const auto frontend = frontend::typical_counts(width, height, {});
+  const auto depth = depth::typical_counts(width, height, depth::default_parameters(width));
+  RunCounts run{.origin = "30 frames, counts scattered by 20 %", .width = width, .height = height};
+  std::uint32_t state = 1;
+  for (std::int64_t k = 0; k < 30; ++k) {
+    state = state * 1664525 + 1013904223;
+    const double factor = 0.8 + 0.4 * static_cast<double>(state >> 16) / 65535;
+    const auto scale = [factor](auto& count) {
+      count = static_cast<std::remove_reference_t<decltype(count)>>(static_cast<double>(count) *
+                                                                    factor);
+    };
+    FrameWork frame{.frame = k, .frontend = frontend, .depth = depth};
+    scale(frame.frontend.keypoints_left);
+    scale(frame.frontend.keypoints_right);
+    scale(frame.frontend.reference);
+    for (frontend::SearchCounts& search : frame.frontend.searches) {
+      scale(search.searched);
+      scale(search.matches);
+      scale(search.hypotheses);
+      scale(search.inliers);
+    }
+    scale(frame.depth.support_points);
+    for (depth::ViewCounts& view : frame.depth.views) {
+      scale(view.triangles);
+      scale(view.spans);
+      scale(view.covered);
+      scale(view.overlaps);
+      scale(view.entries);
+    }
+    run.frames.push_back(frame);
+  }
+  return run;
+}
+
+std::vector<TaskPlacement> feasible_placements(const partition::Simulator& simulator) {
+  constexpr std::uint64_t kMost = 2'000;  // of a larger space, evenly spread ones
+  partition::Choices all(simulator.pipeline().tasks.size());
+  for (std::uint32_t t = 0; t < all.size(); ++t) {
+    for (std::uint32_t p = 0; p < simulator.places(t).size(); ++p) all[t].push_back(p);
+  }
+  const std::uint64_t count = partition::count(all), step = count / kMost + 1;
+  std::vector<TaskPlacement> placements;
+  for (std::uint64_t i = 0; i < count; i += step) {
+    TaskPlacement placement = partition::nth(all, i);
+    if (simulator.infeasible(placement).empty()) placements.push_back(std::move(placement));
+  }
+  return placements;
+}
+
+/// Placements per second: median of some passes over all of them, after one to warm up.
+template <typename Simulate>
+double rate(const std::vector<TaskPlacement>& placements, int rounds, const Simulate& simulate) {
+  std::vector<double> rates;
+  for (int round = 0; round <= rounds; ++round) {
+    const std::uint64_t start = wall_now();
+    for (const TaskPlacement& placement : placements) simulate(placement);
+    const double seconds = static_cast<double>(wall_now() - start) * 1e-9;
+    if (round > 0) rates.push_back(static_cast<double>(placements.size()) / seconds);
+  }
+  std::nth_element(rates.begin(), rates.begin() + rounds / 2, rates.end());
+  return rates[static_cast<std::size_t>(rounds) / 2];
+}
+
+Json measure(const profile::Machine& machine, const partition::Pipeline& pipeline,
+             const SimulateOptions& options) {
+  const partition::Workload jitter = recorded_workload(pipeline, scattered_counts(pipeline));
+  const partition::Workload typical = typical_workload(pipeline);
+  partition::SimulatorOptions simulation;
+  simulation.frames = options.frames;
+  const partition::Simulator with_jitter(machine, pipeline, jitter, simulation);
+  const partition::Simulator alike(machine, pipeline, typical, simulation);
+  const std::vector<TaskPlacement> placements = feasible_placements(alike);
+  if (placements.empty()) {
+    throw Error(fmt::format("bench: no placement is feasible on machine '{}'", machine.id));
+  }
+  const int rounds = options.rounds;
+  const auto quick = [](const partition::Simulator& simulator) {
+    return [&simulator](const TaskPlacement& p) { simulator.quick(p); };
+  };
+  const auto every_frame = [&](const TaskPlacement& p) { with_jitter.run(p); };
+  return {{"machine", machine.id},
+          {"placements", placements.size()},
+          {"every_frame_per_s", rate(placements, rounds, every_frame)},
+          {"jitter_per_s", rate(placements, rounds, quick(with_jitter))},
+          {"alike_per_s", rate(placements, rounds, quick(alike))}};
+}
+
+int simulate(const SimulateOptions& options, const Console& console) {
+  std::vector<std::string> names = options.machines;
+  if (std::find(names.begin(), names.end(), "all") != names.end()) {
+    names = profile::list_machines(places().profiles);
+  }
+  const partition::Pipeline pipeline =
+      partition::load_pipeline(options.pipeline, places().profiles);
+  Json document;
+  document["what"] = fmt::format(
+      "placements of pipeline {} per second of one thread, {} frames each, median of {} passes "
+      "over "
+      "all feasible ones after one to warm up; every frame simulated, or as the search does, which "
+      "leaves out frames that repeat; with counts that scatter by 20 % over 30 frames, or all "
+      "alike",
+      pipeline.id, options.frames, options.rounds);
+  document["processor"] = processor();
+  document["cores"] = std::thread::hardware_concurrency();
+  Table table(
+      {"machine", "placements", "every frame, 1/s", "search, jitter, 1/s", "search, alike, 1/s"});
+  ProgressBar bar(console, "bench simulate", names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Json row = measure(profile::load_machine(names[i], places().profiles), pipeline, options);
+    const auto shown = [&row](const char* key) {
+      return fmt::format("{:.0f}", row[key].get<double>());
+    };
+    table.add({row["machine"], std::to_string(row["placements"].get<std::size_t>()),
+               shown("every_frame_per_s"), shown("jitter_per_s"), shown("alike_per_s")});
+    document["measured"].push_back(row);
+    bar.update(i + 1);
+  }
+  bar.clear();
+  console.result(
+      fmt::format("{}Measured on {} ({} cores here): {}.\n", table.to_string(console.colour()),
+                  document["processor"].get<std::string>(), document["cores"].get<unsigned>(),
+                  document["what"].get<std::string>()),
+      document);
+  return exit_ok;
+}
+
+}  // namespace
+
+void add_bench_simulate(CLI::App& bench, Context& context) {
+  CLI::App* command = add_subcommand(
+      bench, context, "simulate", "Placements that the partitioner simulates per second and core",
+      "partita bench simulate\npartita bench simulate --machine all --rounds 3 --json");
+  auto options = std::make_shared<SimulateOptions>();
+  command->add_option("-m,--machine", options->machines, "Machines: names, .yaml files, or all")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("--pipeline", options->pipeline, "Task graph: a name or a .yaml file")
+      ->capture_default_str();
+  command->add_option("--frames", options->frames, "Frames to simulate")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  command->add_option("--rounds", options->rounds, "Passes over all placements")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->callback([options, &context] {
+    context.action = [options, &context] { return simulate(*options, context.console); };
+  });
+}
+
+}  // namespace partita::app
