@@ -13,8 +13,8 @@
 #include "host/app/workload.h"
 #include "host/tasks/depth/program.h"
 #include "host/tasks/frontend/program.h"
-#include "partition/pins.h"
-#include "partition/simulated.h"
+#include "partition/search/pins.h"
+#include "partition/search/simulated.h"
 
 namespace partita::app {
 namespace {

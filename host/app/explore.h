@@ -11,7 +11,7 @@
 
 #include "host/app/console.h"
 #include "host/app/run_counts.h"
-#include "partition/search.h"
+#include "partition/search/search.h"
 
 namespace partita::app {
 

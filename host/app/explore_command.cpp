@@ -15,7 +15,7 @@
 #include "host/app/workload.h"
 #include "host/io/file.h"
 #include "host/io/json_file.h"
-#include "partition/simulated.h"
+#include "partition/search/simulated.h"
 
 namespace partita::app {
 

@@ -7,8 +7,8 @@
 
 #include "host/app/run_counts.h"
 #include "host/tasks/program.h"
-#include "partition/pipeline.h"
-#include "partition/workload.h"
+#include "partition/graph/pipeline.h"
+#include "partition/graph/workload.h"
 
 namespace partita::app {
 

@@ -5,7 +5,7 @@
 
 #include "devices/profile/machine.h"
 #include "host/app/workload.h"
-#include "partition/simulator.h"
+#include "partition/simulate/simulator.h"
 #include "tests/app/spawn.h"
 #include "tests/host/io_temp_folder.h"
 

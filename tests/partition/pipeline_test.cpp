@@ -1,6 +1,6 @@
 // Pipelines: the shipped ones load and say what they are meant to; bad ones are refused in one line
 // that names file, line and key.
-#include "partition/pipeline.h"
+#include "partition/graph/pipeline.h"
 
 #include <fstream>
 #include <sstream>
@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "partition/workload.h"
+#include "partition/graph/workload.h"
 #include "tests/devices/mutate.h"
 
 namespace partita::partition {

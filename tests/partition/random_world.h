@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "partition/simulator.h"
+#include "partition/simulate/simulator.h"
 
 namespace partita::partition::test {
 

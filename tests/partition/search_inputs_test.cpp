@@ -2,9 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "partition/limits.h"
-#include "partition/pins.h"
-#include "partition/vehicle.h"
+#include "partition/search/limits.h"
+#include "partition/search/pins.h"
+#include "partition/search/vehicle.h"
 #include "tests/partition/synthetic.h"
 
 namespace partita::partition {
@@ -63,8 +63,7 @@ TEST(Limits, AreReadWithAndWithoutUnits) {
   EXPECT_EQ(limits[Limited::price], 1500.0);
   EXPECT_EQ(limits[Limited::latency], 0.1e9);
   EXPECT_EQ(limits[Limited::energy], 0.5);
-  EXPECT_EQ(limits.to_string(),
-            "power=30 W, price=1500 USD, latency=100 ms, energy=0.5 J");
+  EXPECT_EQ(limits.to_string(), "power=30 W, price=1500 USD, latency=100 ms, energy=0.5 J");
   Limits bare;
   parse_limit("latency=100", bare);
   EXPECT_EQ(bare[Limited::latency], 100e6);

@@ -2,10 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "partition/bound.h"
-#include "partition/compare.h"
-#include "partition/pareto.h"
-#include "partition/sanity.h"
+#include "partition/search/bound.h"
+#include "partition/search/compare.h"
+#include "partition/search/pareto.h"
+#include "partition/search/sanity.h"
 #include "tests/partition/synthetic.h"
 
 namespace partita::partition {

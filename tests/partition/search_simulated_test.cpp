@@ -2,9 +2,9 @@
 // declared machines, and the search finds what looking at everything finds.
 #include <gtest/gtest.h>
 
-#include "partition/sanity.h"
-#include "partition/search.h"
-#include "partition/simulated.h"
+#include "partition/search/sanity.h"
+#include "partition/search/search.h"
+#include "partition/search/simulated.h"
 #include "tests/partition/random_world.h"
 
 namespace partita::partition {

@@ -1,14 +1,14 @@
 // The search against all placements, one by one, on random synthetic machines; and what it says
 // where nothing can be found.
-#include "partition/search.h"
+#include "partition/search/search.h"
 
 #include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "partition/pareto.h"
-#include "partition/sanity.h"
+#include "partition/search/pareto.h"
+#include "partition/search/sanity.h"
 #include "tests/partition/synthetic.h"
 
 namespace partita::partition {

@@ -1,6 +1,6 @@
 // The simulator against the real Timeline: the same times to the nanosecond, for random pipelines,
 // workloads and placements on the declared machines.
-#include "partition/simulator.h"
+#include "partition/simulate/simulator.h"
 
 #include <gtest/gtest.h>
 

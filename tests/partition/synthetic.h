@@ -11,7 +11,7 @@
 #include <string>
 
 #include "devices/model/area.h"
-#include "partition/evaluator.h"
+#include "partition/search/evaluator.h"
 
 namespace partita::partition::test {
 

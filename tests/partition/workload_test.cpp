@@ -1,5 +1,5 @@
 // Workloads: what a simulator may rely on is checked, and their hash covers everything.
-#include "partition/workload.h"
+#include "partition/graph/workload.h"
 
 #include <functional>
 
