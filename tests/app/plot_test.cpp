@@ -64,7 +64,7 @@ TEST(Plot, PngIsOneAndTheSameTwice) {
   Drawing drawing(200, 100, "shapes");
   drawing.add(Mark{.at = {50, 50}, .radius = 20, .star = true});
   drawing.add(Text{.at = {10, 60}, .text = "upright", .upright = true});
-  drawing.add(Text{.at = {195, 99}, .text = "beyond the page", .halo = true});
+  drawing.add(Text{.at = {195, 99}, .text = "beyond the page"});
   const std::string png = drawing.to_png();
   EXPECT_EQ(png.substr(1, 3), "PNG");
   EXPECT_EQ(png, drawing.to_png());
