@@ -91,15 +91,21 @@ std::vector<TaskPlacement> feasible_placements(const partition::Simulator& simul
   return placements;
 }
 
-/// Placements per second: median of some passes over all of them, after one to warm up.
+/// Placements per second: median over rounds, each of as many passes over all placements as take a
+/// while, after one to warm up.
 template <typename Simulate>
 double rate(const std::vector<TaskPlacement>& placements, int rounds, const Simulate& simulate) {
+  constexpr double kLeastSeconds = 0.1;
   std::vector<double> rates;
   for (int round = 0; round <= rounds; ++round) {
     const std::uint64_t start = wall_now();
-    for (const TaskPlacement& placement : placements) simulate(placement);
-    const double seconds = static_cast<double>(wall_now() - start) * 1e-9;
-    if (round > 0) rates.push_back(static_cast<double>(placements.size()) / seconds);
+    double seconds = 0, simulated = 0;
+    while (seconds < kLeastSeconds) {
+      for (const TaskPlacement& placement : placements) simulate(placement);
+      simulated += static_cast<double>(placements.size());
+      seconds = static_cast<double>(wall_now() - start) * 1e-9;
+    }
+    if (round > 0) rates.push_back(simulated / seconds);
   }
   std::nth_element(rates.begin(), rates.begin() + rounds / 2, rates.end());
   return rates[static_cast<std::size_t>(rounds) / 2];
@@ -138,7 +144,7 @@ int simulate(const SimulateOptions& options, const Console& console) {
       partition::load_pipeline(options.pipeline, places().profiles);
   Json document;
   document["what"] = fmt::format(
-      "placements of pipeline {} per second of one thread, {} frames each, median of {} passes "
+      "placements of pipeline {} per second of one thread, {} frames each, median of {} rounds "
       "over "
       "all feasible ones after one to warm up; every frame simulated, or as the search does, which "
       "leaves out frames that repeat; with counts that scatter by 20 % over 30 frames, or all "
@@ -183,7 +189,7 @@ void add_bench_simulate(CLI::App& bench, Context& context) {
   command->add_option("--frames", options->frames, "Frames to simulate")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
-  command->add_option("--rounds", options->rounds, "Passes over all placements")
+  command->add_option("--rounds", options->rounds, "Measurements of each figure, of 0.1 s or more")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command->callback([options, &context] {

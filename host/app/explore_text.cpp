@@ -153,7 +153,8 @@ class ExplorationText {
     if (r.beyond_limits > 0)
       text += fmt::format(", {} beyond the limits", thousands(r.beyond_limits));
     if (r.optimal) return text + ": the optimum";
-    return text + fmt::format("; none can have less than {}: at most {:.1f} % from the optimum",
+    return text + fmt::format("; none can have {} than {}: at most {:.1f} % from the optimum",
+                              objective_ == Objective::throughput ? "more" : "less",
                               show(objective_, r.bound), 100 * r.gap);
   }
 

@@ -59,7 +59,6 @@ struct Text {
   Rgb colour = kInk;
   bool bold = false;
   bool upright = false;  ///< turned by 90 degrees, read from below
-  bool halo = false;     ///< white around it, over what is drawn below
 };
 using Shape = std::variant<Line, Box, Mark, Text>;
 

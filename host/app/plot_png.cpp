@@ -81,9 +81,6 @@ class Raster {
                        static_cast<int>(std::lround(text.at.y * kScale)));
     if (text.upright) return upright(text, scale, stroke, size, base, at, shift);
     const cv::Point left(at.x - static_cast<int>(std::lround(shift)), at.y);
-    if (text.halo) {
-      cv::putText(picture_, text.text, left, kFont, scale, bgr(kWhite), stroke + 8, cv::LINE_AA);
-    }
     cv::putText(picture_, text.text, left, kFont, scale, bgr(text.colour), stroke, cv::LINE_AA);
   }
 

@@ -80,11 +80,6 @@ std::string to_svg(const Text& text) {
   std::string style;
   if (text.bold) style += " font-weight=\"bold\"";
   if (text.upright) style += fmt::format(" transform=\"rotate(-90 {} {})\"", x, y);
-  if (text.halo) {
-    style +=
-        " paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"4\" "
-        "stroke-linejoin=\"round\"";
-  }
   return fmt::format(
       "<text x=\"{}\" y=\"{}\" font-size=\"{}\" text-anchor=\"{}\" fill=\"{}\"{}>{}</text>", x, y,
       number(text.size), kAnchors[static_cast<std::size_t>(text.anchor)], hex(text.colour), style,

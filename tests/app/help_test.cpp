@@ -17,11 +17,14 @@ using ::testing::Not;
 TEST(Help, EveryCommandHasExamplesAndJson) {
   for (const std::vector<std::string>& command :
        std::vector<std::vector<std::string>>{{"run"},
+                                             {"explore"},
+                                             {"diff"},
                                              {"devices"},
                                              {"emulate"},
                                              {"verify"},
                                              {"bench", "overhead"},
                                              {"bench", "start"},
+                                             {"bench", "simulate"},
                                              {"package"},
                                              {"generate"}}) {
     std::vector<std::string> words = command;
@@ -38,7 +41,7 @@ TEST(Help, TheMainPageListsCommandsAndExitStatuses) {
   const Outcome outcome = partita({"--help"});
   EXPECT_EQ(outcome.status, 0);
   for (const char* command :
-       {"run", "devices", "emulate", "verify", "bench", "package", "generate"}) {
+       {"run", "explore", "diff", "devices", "emulate", "verify", "bench", "package", "generate"}) {
     EXPECT_THAT(outcome.out, HasSubstr(std::string("\n  ") + command + " "));
   }
   EXPECT_THAT(outcome.out, HasSubstr("Exit status: 0"));
