@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <mutex>
+#include <optional>
 #include <tuple>
 
 #include "devices/model/area.h"
@@ -52,6 +53,7 @@ class Simulator::Impl {
 
   Scene scene(const TaskPlacement& placement) const;
   void check_placement(const TaskPlacement& placement) const;
+  double alone_ns(std::uint32_t task, std::uint32_t place) const;
   std::string misfit(const TaskPlacement& placement, std::uint32_t device) const;
   template <typename Use>
   auto with_scratch(const Use& use) const;
@@ -69,7 +71,6 @@ class Simulator::Impl {
   std::vector<const TaskWork*> works_;               ///< by task
   std::vector<std::vector<Place>> places_;           ///< by task
   std::vector<std::vector<CompiledTask>> compiled_;  ///< by task and place
-  std::vector<std::vector<double>> alone_ns_, energy_j_;
   Cycle cycle_;
 
  private:
@@ -77,9 +78,9 @@ class Simulator::Impl {
   void find_channels();
   std::uint32_t channel(std::uint32_t from, const std::string& name, std::uint64_t bytes);
   void compile();
-  void measure_alone(std::uint32_t task, std::uint32_t place);
 
   mutable std::mutex mutex_;
+  mutable std::vector<std::vector<std::optional<double>>> alone_ns_;  ///< by task and place
   mutable std::vector<std::unique_ptr<Scratch>> idle_;
 };
 
@@ -172,38 +173,35 @@ void Simulator::Impl::compile() {
       compiled_.back().push_back(compiler_.compile(*works_[i], place));
     }
   }
-  alone_ns_.resize(works_.size());
-  energy_j_.resize(works_.size());
-  for (std::uint32_t i = 0; i < works_.size(); ++i) {
-    for (std::uint32_t p = 0; p < places_[i].size(); ++p) measure_alone(i, p);
-  }
+  for (const auto& places : places_) alone_ns_.emplace_back(places.size());
 }
 
-/// The task by itself, fed by a sensor that sends nothing, so seldom that frames never meet.
-void Simulator::Impl::measure_alone(std::uint32_t task, std::uint32_t place) {
+/// The task by itself, fed by a sensor that sends nothing, so seldom that frames never meet: mean
+/// over the frames that it does in a simulation.
+double Simulator::Impl::alone_ns(std::uint32_t task, std::uint32_t place) const {
+  const std::lock_guard lock(mutex_);
+  std::optional<double>& known = alone_ns_[task][place];
+  if (known) return *known;
   Pipeline single;
   single.period_ns = Ns{1} << 42;
   single.tasks = {{.name = pipeline_.tasks[task].name, .branch = {}, .inputs = {}}};
   single.outputs = single.perception = {0};
   const Channels channels{{{kNone, "", 0}}, {{}}, {0}, {{}}};
   const CompiledTask& compiled = compiled_[task][place];
-  const std::size_t frames = std::min(compiled.frames.size(), options_.frames);
+  const std::size_t programs = std::min(compiled.frames.size(), options_.frames);
   Scratch scratch(compiler_);
-  scratch.scene = {&single, &channels,   frames,
+  scratch.scene = {&single, &channels,   programs,
                    0,       {&compiled}, std::vector<bool>(machine_.devices.size(), false)};
   scratch.clock.reset(scratch.scene);
   Driver<CompiledClock>(scratch.scene, scratch.clock, scratch.trace).run();
+  const Trace::Task& alone = scratch.trace.tasks[0];
   double sum = 0;
-  std::size_t active = 0;
-  for (std::size_t k = 0; k < frames; ++k) {
-    sum += static_cast<double>(scratch.trace.tasks[0].end[k] - scratch.trace.tasks[0].start[k]);
-    active += compiled.frames[k].ops.empty() ? 0 : 1;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < options_.frames; k += pipeline_.tasks[task].every, ++count) {
+    const std::size_t program = k % compiled.frames.size();
+    sum += static_cast<double>(alone.end[program] - alone.start[program]);
   }
-  const double count = static_cast<double>(std::max<std::size_t>(active, 1));
-  Consumption used = scratch.clock.consumption(scratch.trace);
-  used.makespan = 0;  // above idle
-  alone_ns_[task].push_back(sum / count);
-  energy_j_[task].push_back(joules(used, parts_of(scratch.scene, machine_), machine_) / count);
+  return known.emplace(sum / static_cast<double>(count));
 }
 
 void Simulator::Impl::check_placement(const TaskPlacement& placement) const {
@@ -378,7 +376,7 @@ Figures Simulator::run(const TaskPlacement& placement) const {
     Figures figures = impl_->simulate(scratch);
     add_details(scratch.trace, scratch.scene, figures);
     for (std::size_t i = 0; i < figures.tasks.size(); ++i) {
-      figures.tasks[i].alone_ns = impl_->alone_ns_[i][placement[i]];
+      figures.tasks[i].alone_ns = impl_->alone_ns(static_cast<std::uint32_t>(i), placement[i]);
     }
     impl_->add_engines(scratch, figures);
     return figures;
@@ -394,17 +392,10 @@ Reference Simulator::reference(const TaskPlacement& placement) const {
   figures.price_usd = price_of(parts, impl_->machine_);
   add_details(run.trace, scene, figures);
   for (std::size_t i = 0; i < figures.tasks.size(); ++i) {
-    figures.tasks[i].alone_ns = impl_->alone_ns_[i][placement[i]];
+    figures.tasks[i].alone_ns = impl_->alone_ns(static_cast<std::uint32_t>(i), placement[i]);
   }
   figures.engines = engines_of(run, impl_->machine_);
   return {std::move(run.record), std::move(run.schedule), std::move(figures)};
-}
-
-double Simulator::alone_ns(std::uint32_t task, std::uint32_t place) const {
-  return impl_->alone_ns_.at(task).at(place);
-}
-double Simulator::energy_j(std::uint32_t task, std::uint32_t place) const {
-  return impl_->energy_j_.at(task).at(place);
 }
 
 }  // namespace partita::partition

@@ -53,7 +53,7 @@ struct SimulatorOptions {
 struct TaskFigures {
   Distribution latency;   ///< frame's trigger to the task's end
   Distribution duration;  ///< the task's start on a frame to its end, waiting for engines included
-  double alone_ns = 0;    ///< mean duration with no other task on the machine
+  double alone_ns = 0;    ///< mean duration of the same frames with no other task on the machine
   std::size_t late = 0;   ///< frames beyond the deadline
   std::size_t dropped = 0;
 };
@@ -115,10 +115,6 @@ class Simulator {
   Figures quick(const TaskPlacement& placement) const;
   /// The same as run() on the real Timeline, with the record and the schedule.
   Reference reference(const TaskPlacement& placement) const;
-
-  /// Of one task alone on the machine: mean duration per activation, and energy above idle.
-  double alone_ns(std::uint32_t task, std::uint32_t place) const;
-  double energy_j(std::uint32_t task, std::uint32_t place) const;
 
  private:
   class Impl;
