@@ -1,7 +1,7 @@
 // Simulator: the pipeline on a machine, without executing anything: every task is a host thread on
 // the node of its place, takes its frames in order, waits for its inputs, runs its program's steps,
 // posts its outputs. Times follow devices/timeline's rules to the nanosecond: reference() runs the
-// real Timeline and records it, run() is a compiled form of the same that is some ten times faster,
+// real Timeline and records it, run() is a compiled form of the same that is some twenty times faster,
 // quick() leaves out frames that repeat. Tests hold them equal.
 //
 // Arbitration: always the task with the smallest virtual time acts next, ties by its order in the
