@@ -124,7 +124,8 @@ TEST(Profiles, WhatSharesABoardIsPaidOnce) {
   };
   for (const auto& [name, price] : prices) {
     double sum = 0;
-    for (const DeviceProfile* part : parts(load_machine(name, kProfiles))) sum += part->price_usd;
+    const Machine machine = load_machine(name, kProfiles);
+    for (const DeviceProfile* part : parts(machine)) sum += part->price_usd;
     EXPECT_DOUBLE_EQ(sum, price) << name;
   }
 }
