@@ -56,7 +56,6 @@ void CompiledClock::find_free() {
     t.circuits_free = calm_memory;
     t.link_free = calm_memory && users[device] == 1;
     t.device_free = t.link_free && !cpu;
-    t.all_free = t.device_free;
     t.bursts = cpu || calm_memory;
   }
 }
@@ -87,7 +86,7 @@ void CompiledClock::step(Thread& t, const Op& op) {
     t.clock = free ? t.clock + op.alone : placed(t, op, t.clock).end;
     return;
   }
-  if (free && !t.all_free) held_[op.slot] += op.alone;
+  if (free && !t.device_free) held_[op.slot] += op.alone;
   t.clock += t.task->api_ns;
   const Ns ready = std::max(t.clock + t.task->submit_ns, t.queue_end);
   t.queue_end = free ? ready + op.alone : placed(t, op, ready).end;
@@ -115,7 +114,7 @@ std::size_t CompiledClock::steps(std::uint32_t i, std::size_t, const CompiledFra
                                  std::size_t first, Ns until) {
   Thread& t = threads_[i];
   // With nobody beside it and nothing left of the frame before, it takes what it always does.
-  if (first == 0 && t.all_free && t.host_free && t.queue_end <= t.clock) {
+  if (first == 0 && t.device_free && t.host_free && t.queue_end <= t.clock) {
     if (program.free.queue_end > 0) t.queue_end = t.clock + program.free.queue_end;
     t.clock += program.free.duration;
     held_[t.task->node] += program.free.host;
@@ -124,7 +123,7 @@ std::size_t CompiledClock::steps(std::uint32_t i, std::size_t, const CompiledFra
   std::size_t at = first;
   do {
     const Op& op = program.ops[at];
-    if (t.all_free && op.free_run != kNone) {
+    if (t.device_free && op.free_run != kNone) {
       const FreeRun& run = program.free_runs[op.free_run];
       t.queue_end = std::max(t.clock + run.after_host, t.queue_end + run.after_queue);
       t.clock += run.host;
@@ -176,7 +175,7 @@ void CompiledClock::message(std::uint32_t i, std::uint32_t input, std::size_t fr
 }
 
 Ns CompiledClock::post(std::uint32_t i, std::size_t frame) {
-  if (threads_[i].all_free) {
+  if (threads_[i].device_free) {
     for (const auto& [slot, ns] : threads_[i].task->frame(frame + scene_->offset).held) {
       held_[slot] += ns;
     }

@@ -47,10 +47,9 @@ class CompiledClock {
     Ns queue_end = 0;  ///< latest END of its in-order queue
     Ns node_wakeup = 0;
     bool host_free = false;      ///< there is always a core and bandwidth for its host steps
-    bool device_free = false;    ///< the device's compute and copy engines are its own
+    bool device_free = false;    ///< all engines of its device are its own, link and circuits too
     bool circuits_free = false;  ///< its circuits are its own
     bool link_free = false;      ///< the device's link is its own
-    bool all_free = false;       ///< all of these but the host's
     bool bursts = false;  ///< its device's memory makes nobody wait, or is the calendars' own
   };
   void block(Thread& t, Ns end) {
