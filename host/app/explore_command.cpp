@@ -54,6 +54,7 @@ class Explore {
     const std::uint64_t start = wall_now();
     const partition::SearchOptions search = search_options();
     load_machines();
+    refuse_unwritable_folder(options_.out);
     refuse_foreign_folder(options_.out, options_.force, results());
     try {
       prepare_workload(report_, console_, [&](const partition::Pipeline& pipeline) {

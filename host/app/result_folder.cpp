@@ -1,5 +1,7 @@
 #include "host/app/result_folder.h"
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 
@@ -42,6 +44,21 @@ void refuse_foreign_folder(const std::string& folder, bool force, const ResultFi
         fmt::format("{}: no earlier run wrote it, and even --force does not replace it; choose "
                     "another --out",
                     path.string()));
+  }
+}
+
+void refuse_unwritable_folder(const std::string& folder) {
+  std::error_code code;
+  fs::path existing = fs::absolute(folder, code);
+  while (!fs::exists(existing, code) && existing.has_relative_path()) {
+    existing = existing.parent_path();
+  }
+  if (!fs::is_directory(existing, code)) {
+    throw OutputError(fmt::format("--out {}: '{}' is not a folder", folder, existing.string()));
+  }
+  if (::access(existing.c_str(), W_OK | X_OK) != 0) {
+    throw OutputError(
+        fmt::format("--out {}: nothing may be written into '{}'", folder, existing.string()));
   }
 }
 

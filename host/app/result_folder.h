@@ -21,6 +21,10 @@ struct ResultFiles {
 /// written into, but none of its files replaced: what bears a result's name must not be there.
 void refuse_foreign_folder(const std::string& folder, bool force, const ResultFiles& results);
 
+/// Throws OutputError where a folder could not be made or nothing written into it: before long work,
+/// not after it.
+void refuse_unwritable_folder(const std::string& folder);
+
 /// An earlier one's results must not be taken for this one's if this one ends early.
 void remove_earlier_results(const io::OutputFolder& folder, const ResultFiles& results);
 

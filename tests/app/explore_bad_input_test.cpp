@@ -117,6 +117,7 @@ TEST(BadOutput, AFolderThatCannotBeWrittenOrIsSomebodyElses) {
   expect_one_line(explore("/proc/partita"), 5, {"/proc/partita"});
   temp.write("thesis.txt", "years of work");
   expect_one_line(explore(temp.path()), 5, {temp.path(), "--force"});
+  expect_one_line(explore(temp.file("thesis.txt/out")), 5, {"thesis.txt' is not a folder"});
   EXPECT_EQ(temp.entries(), 1u);
 }
 
