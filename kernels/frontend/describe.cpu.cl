@@ -68,6 +68,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void describe(
     __constant ushort2* tests = table + bin * TESTS;
     for (int word = 0; word < 8; ++word) {
       uint bits = 0;
+#pragma unroll  // else vectors are gathered byte by byte, which is slower than this
       for (int t = 0; t < 32; ++t) {
         const ushort2 pair = tests[word * 32 + t];
         bits |= (patch[pair.x] < patch[pair.y] ? 1u : 0u) << t;

@@ -1,18 +1,15 @@
 // The best corners of every cell (see the GPU's text for what they are).
-// Assumes: width, height > 2 BORDER, at most 4096; stride == width; cell even, at least 2.
-// One work-item per row of cells. Sixteen pixels at a time, as most have no score at all; survivors
-// are inserted into their cell's keys, which are written out at the end.
+// Assumes: width, height > 2 BORDER, at most 4096; stride == width; cell even, at least 2; a device
+// of little-endian words.
+// One work-item per row of cells. A row's survivors are found by a loop without a branch, of which
+// the compiler makes full vectors; then they are picked from words of eight, most of which are
+// zero, and inserted into their cell's keys, which are written out at the end.
 #include "frontend/common.clh"
 
 #define MAX_COLUMNS 2048
 
-static inline int any_set(uchar16 v) {
-  const ulong2 words = as_ulong2(v);
-  return (words.x | words.y) != 0;
-}
-
 static inline void insert(__private uint* keys, uint key) {
-  for (int i = 0; i < PER_CELL && key != 0; ++i) {
+  for (int i = 0; i < PER_CELL; ++i) {
     const uint old = keys[i];
     keys[i] = max(old, key);
     key = min(old, key);
@@ -25,17 +22,12 @@ static inline uchar survives(__global const uchar* p, int width) {
   __global const uchar* below = p + width;
   const uchar before = max(max(above[-1], above[0]), max(above[1], p[-1]));
   const uchar after = max(max(below[-1], below[0]), max(below[1], p[1]));
-  return s > before && s >= after ? s : (uchar)0;
+  return ((s > before) & (s >= after)) ? s : (uchar)0;
 }
 
-static inline uchar16 survivors(__global const uchar* p, int width, uchar16 s) {
-  __global const uchar* above = p - width;
-  __global const uchar* below = p + width;
-  const uchar16 before = max(max(vload16(0, above - 1), vload16(0, above)),
-                             max(vload16(0, above + 1), vload16(0, p - 1)));
-  const uchar16 after = max(max(vload16(0, below - 1), vload16(0, below)),
-                            max(vload16(0, below + 1), vload16(0, p + 1)));
-  return select((uchar16)(0), s, (s > before) & (s >= after));
+static inline void survivors(__global const uchar* row, __private uchar* kept, int width,
+                             int right) {
+  for (int x = BORDER; x < right; ++x) kept[x] = survives(row + x, width);
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void select_cells(
@@ -44,30 +36,28 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void select_cells(
   const int columns = (width - 2 * BORDER + cell - 1) / cell;
   const int grid_row = (int)get_global_id(0);
   uint keys[MAX_COLUMNS * PER_CELL];
+  uchar kept[4096 + 16];
   for (int i = 0; i < columns * PER_CELL; ++i) keys[i] = 0;
 
+  // Exact for all dividends below 4096.
+  const ulong reciprocal = (((ulong)1 << 32) + (uint)cell - 1) / (uint)cell;
   const int right = width - BORDER;
   const int top = BORDER + grid_row * cell;
   const int bottom = min(top + cell, height - BORDER);
   for (int y = top; y < bottom; ++y) {
     __global const uchar* row = score + y * width;
-    int x = BORDER;
-    for (; x + 16 <= right; x += 16) {
-      uchar16 s = vload16(0, row + x);
-      if (!any_set(s)) continue;
-      s = survivors(row + x, width, s);
-      if (!any_set(s)) continue;
-      uchar lanes[16];
-      vstore16(s, 0, lanes);
-      for (int l = 0; l < 16; ++l) {
-        if (lanes[l] != 0) {
-          insert(keys + (x + l - BORDER) / cell * PER_CELL, corner_key(lanes[l], x + l, y));
-        }
+    survivors(row, kept, width, right);
+    vstore8((uchar8)(0), 0, kept + right);
+    for (int x = BORDER; x < right; x += 8) {
+      ulong word = as_ulong(vload8(0, kept + x));
+      while (word != 0) {
+        const int byte = (int)(63 - clz(word)) >> 3;
+        const uint of_pixel = (uint)(word >> (8 * byte)) & 0xFFu;
+        word ^= (ulong)of_pixel << (8 * byte);
+        const int at = x + byte;
+        const uint column = (uint)(((ulong)(uint)(at - BORDER) * reciprocal) >> 32);
+        insert(keys + column * PER_CELL, corner_key(of_pixel, at, y));
       }
-    }
-    for (; x < right; ++x) {
-      const uchar s = row[x] != 0 ? survives(row + x, width) : (uchar)0;
-      if (s != 0) insert(keys + (x - BORDER) / cell * PER_CELL, corner_key(s, x, y));
     }
   }
 

@@ -113,11 +113,10 @@ Work fast_work(Variant variant, const Shape& shape) {
       work.local_bytes = tiles(size) * 38 * 14 + 17 * n;
       break;
     case Variant::cpu:
-      // As if no vector were skipped: 17 vectors of 16 are loaded per vector of the interior.
-      work.read_issued =
-          size.width < 7 || size.height < 7
-              ? 0
-              : static_cast<std::uint64_t>(size.height - 6) * divide_up(size.width - 6, 16) * 272;
+      work.read_issued = size.width < 7 || size.height < 7
+                             ? 0
+                             : static_cast<std::uint64_t>(size.height - 6) *
+                                   static_cast<std::uint64_t>(size.width - 6) * 17;
       break;
     case Variant::fpga:
       work.read_issued = n;
