@@ -24,29 +24,6 @@ using runtime::Kernel;
 using runtime::Session;
 using runtime::Shape;
 
-template <typename T>
-void check(const char* name, T value, T least, T most) {
-  if (value >= least && value <= most) return;  // false for NaN as well
-  throw Error(fmt::format("depth: {} is {}, expected {} to {}", name, value, least, most));
-}
-
-void check_parameters(const DepthParameters& p) {
-  check("max_disparity", p.max_disparity, 15, kLargestDisparity);
-  check("candidate_step", p.candidate_step, 5, 32);
-  check("support_threshold", p.support_threshold, 0.01, 1.0);
-  check("support_texture", p.support_texture, 0, 2048);
-  check("lr_threshold", p.lr_threshold, 0, 255);
-  check("incon_window", p.incon_window, 1, kLargestWindow);
-  check("incon_threshold", p.incon_threshold, 0, 255);
-  check("incon_min_support", p.incon_min_support, 1, 1000);
-  check("redun_max_distance", p.redun_max_distance, 1, 16);
-  check("redun_threshold", p.redun_threshold, 0, 255);
-  check("beta", p.beta, 0.001, 1.0);
-  check("gamma", p.gamma, 0.01, 100.0);
-  check("sigma", p.sigma, 0.1, 10.0);
-  check("match_texture", p.match_texture, 0, 2048);
-}
-
 void check_size(const Session& session, Size size, const DepthParameters& p) {
   if (size.width < kSmallestWidth || size.height < kSmallestHeight) {
     throw Error(fmt::format("depth: pictures of {} x {}, expected at least {} x {}", size.width,
@@ -99,12 +76,6 @@ struct View {
 };
 
 }  // namespace
-
-DepthParameters default_parameters(int width) {
-  DepthParameters parameters;
-  parameters.max_disparity = std::min(parameters.max_disparity, width - 1);
-  return parameters;
-}
 
 double DisparityMap::density() const {
   if (values.empty()) return 0;

@@ -14,31 +14,10 @@
 
 #include "host/runtime/session.h"
 #include "host/tasks/depth/counts.h"
+#include "host/tasks/depth/parameters.h"
 #include "host/tasks/sensing/frame.h"
 
 namespace partita::depth {
-
-/// Named as in the paper and in its authors' library. The defaults are the "robotics" setting.
-struct DepthParameters {
-  int max_disparity = 127;  ///< largest disparity searched, px; 15..255, below the width
-  int candidate_step = 5;   ///< support points are sought on a grid of this pitch, px; 5..32
-  double support_threshold = 0.85;  ///< τ: best cost / second best at most this; 0 < τ <= 1
-  int support_texture = 10;         ///< least Σ|descriptor - 128| of a support point; 0..2048
-  int lr_threshold = 2;             ///< largest left-right difference accepted, px; 0..255
-  int incon_window = 5;             ///< neighbourhood of the plausibility test, grid steps; 1..16
-  int incon_threshold = 5;          ///< largest difference to a supporting neighbour, px; 0..255
-  int incon_min_support = 5;        ///< neighbours (itself included) that a point needs; 1..1000
-  int redun_max_distance = 5;       ///< reach of the redundancy test, grid steps; 1..16
-  int redun_threshold = 1;  ///< a point this close to both neighbours is redundant, px; 0..255
-  double beta = 0.02;       ///< β: weight of the descriptors' L1 distance; 0.001..1
-  double gamma = 3;         ///< γ: the prior's uniform share; 0.01..100
-  double sigma = 1;         ///< σ of the plane prior, px; 0.1..10. Disparities within 2 px of
-                            ///< the plane are tried whatever σ is
-  int match_texture = 1;    ///< least Σ|descriptor - 128| of a pixel to be matched; 0..2048
-};
-
-/// The defaults, with no more disparities than pictures of that width can have.
-DepthParameters default_parameters(int width);
 
 /// Disparities of the left image in unsigned fixed point with 8 fractional bits, as KITTI's 16-bit
 /// PNGs store them: value / 256 is the disparity in pixels, 0 means "none". A disparity of zero (a

@@ -14,6 +14,9 @@ namespace partita::depth {
 inline constexpr std::int64_t kBand = 16;          ///< rows of a CPU work-item
 inline constexpr int kLargestDisparity = 255;      ///< a disparity fits a byte
 inline constexpr int kLargestWindow = 16;          ///< grid steps, of the plausibility test
+inline constexpr int kLargestRadius = 16;          ///< px, around a plane
+inline constexpr int kSmallestCell = 8;            ///< px, of the grid prior
+inline constexpr int kLargestCell = 64;
 inline constexpr std::int64_t kFpgaWidth = 1600;   ///< pixels that an FPGA row buffer holds
 inline constexpr std::int64_t kFpgaColumns = 512;  ///< grid points that an FPGA row buffer holds
 inline constexpr int kSmallestWidth = 32;
