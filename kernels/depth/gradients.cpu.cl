@@ -77,12 +77,10 @@ typedef struct {
 } Rows;
 
 static inline uchar16 descriptor_pixel(const Rows rows, int x, int width) {
-  const int ll = max(x - 2, 0);
   const int l = max(x - 1, 0);
   const int r = min(x + 1, width - 1);
-  const int rr = min(x + 2, width - 1);
-  return (uchar16)(rows.du0[l], rows.du0[r], rows.du1[ll], rows.du1[x], rows.du1[rr], rows.du2[l],
-                   rows.du2[r], rows.du3[ll], rows.du3[x], rows.du3[rr], rows.du4[l], rows.du4[r],
+  return (uchar16)(rows.du0[l], rows.du0[r], rows.du1[l], rows.du1[x], rows.du1[r], rows.du2[l],
+                   rows.du2[r], rows.du3[l], rows.du3[x], rows.du3[r], rows.du4[l], rows.du4[r],
                    rows.dv1[x], rows.dv2[l], rows.dv2[r], rows.dv3[x]);
 }
 
@@ -109,10 +107,10 @@ static inline uchar16 descriptor_pixel(const Rows rows, int x, int width) {
 
 static inline void descriptor_step(const Rows rows, int x, __global uchar* out) {
   uchar16 a0 = vload16(0, rows.du0 + x - 1), a1 = vload16(0, rows.du0 + x + 1),
-          a2 = vload16(0, rows.du1 + x - 2), a3 = vload16(0, rows.du1 + x),
-          a4 = vload16(0, rows.du1 + x + 2), a5 = vload16(0, rows.du2 + x - 1),
-          a6 = vload16(0, rows.du2 + x + 1), a7 = vload16(0, rows.du3 + x - 2),
-          a8 = vload16(0, rows.du3 + x), a9 = vload16(0, rows.du3 + x + 2),
+          a2 = vload16(0, rows.du1 + x - 1), a3 = vload16(0, rows.du1 + x),
+          a4 = vload16(0, rows.du1 + x + 1), a5 = vload16(0, rows.du2 + x - 1),
+          a6 = vload16(0, rows.du2 + x + 1), a7 = vload16(0, rows.du3 + x - 1),
+          a8 = vload16(0, rows.du3 + x), a9 = vload16(0, rows.du3 + x + 1),
           a10 = vload16(0, rows.du4 + x - 1), a11 = vload16(0, rows.du4 + x + 1),
           a12 = vload16(0, rows.dv1 + x), a13 = vload16(0, rows.dv2 + x - 1),
           a14 = vload16(0, rows.dv2 + x + 1), a15 = vload16(0, rows.dv3 + x);
@@ -142,17 +140,15 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void descriptor(
     const size_t y4 = (size_t)min(y + 2, height - 1) * (size_t)width;
     const Rows rows = {du + y0, du + y1, du + y2, du + y3, du + y4, dv + y1, dv + y2, dv + y3};
     __global uchar* out = descriptors + y2 * 16;
-    if (width < 20) {
+    if (width < 18) {
       for (int x = 0; x < width; ++x) vstore16(descriptor_pixel(rows, x, width), (size_t)x, out);
       continue;
     }
-    for (int x = 2; x < width - 2; x += 16) {
-      const int start = min(x, width - 18);
+    for (int x = 1; x < width - 1; x += 16) {
+      const int start = min(x, width - 17);
       descriptor_step(rows, start, out + start * 16);
     }
     vstore16(descriptor_pixel(rows, 0, width), 0, out);
-    vstore16(descriptor_pixel(rows, 1, width), 1, out);
-    vstore16(descriptor_pixel(rows, width - 2, width), (size_t)(width - 2), out);
     vstore16(descriptor_pixel(rows, width - 1, width), (size_t)(width - 1), out);
   }
 }

@@ -59,42 +59,38 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void descriptor(
   uchar v_line[4][FPGA_WIDTH] PARTITION_COMPLETE(1);
   for (int r = 0; r < height + 2; ++r) {
     const size_t row = (size_t)min(r, height - 1) * (size_t)width;
-    Column a = {0, 0, 0, 0, 0, 0, 0, 0};
-    Column b = a;
-    Column x = a;
-    Column c = a;
-    Column d = a;  // a, b, x, c, d: columns from left to right
+    Column b = {0, 0, 0, 0, 0, 0, 0, 0};
+    Column x = b;
+    Column c = b;  // b, x, c: columns from left to right
     PIPELINE(1)
-    for (int i = 0; i < width + 2; ++i) {
-      a = b;
+    for (int i = 0; i < width + 1; ++i) {
       b = x;
       x = c;
-      c = d;
       if (i < width) {
         const uchar u = du[row + (size_t)i];
         const uchar v = dv[row + (size_t)i];
         const bool first = r == 0;
-        d.u0 = first ? u : u_line[0][i];
-        d.u1 = first ? u : u_line[1][i];
-        d.u2 = first ? u : u_line[2][i];
-        d.u3 = first ? u : u_line[3][i];
-        d.u4 = u;
-        d.v1 = first ? v : v_line[1][i];
-        d.v2 = first ? v : v_line[2][i];
-        d.v3 = first ? v : v_line[3][i];
-        u_line[0][i] = d.u1;
-        u_line[1][i] = d.u2;
-        u_line[2][i] = d.u3;
+        c.u0 = first ? u : u_line[0][i];
+        c.u1 = first ? u : u_line[1][i];
+        c.u2 = first ? u : u_line[2][i];
+        c.u3 = first ? u : u_line[3][i];
+        c.u4 = u;
+        c.v1 = first ? v : v_line[1][i];
+        c.v2 = first ? v : v_line[2][i];
+        c.v3 = first ? v : v_line[3][i];
+        u_line[0][i] = c.u1;
+        u_line[1][i] = c.u2;
+        u_line[2][i] = c.u3;
         u_line[3][i] = u;
-        v_line[1][i] = d.v2;
-        v_line[2][i] = d.v3;
+        v_line[1][i] = c.v2;
+        v_line[2][i] = c.v3;
         v_line[3][i] = v;
       }
-      if (i == 0) x = c = d;
-      if (r > 1 && i > 1) {
-        const uchar16 samples = (uchar16)(b.u0, c.u0, a.u1, x.u1, d.u1, b.u2, c.u2, a.u3, x.u3,
-                                          d.u3, b.u4, c.u4, x.v1, b.v2, c.v2, x.v3);
-        vstore16(samples, (size_t)(r - 2) * (size_t)width + (size_t)(i - 2), descriptors);
+      if (i == 0) x = c;
+      if (r > 1 && i > 0) {
+        const uchar16 samples = (uchar16)(b.u0, c.u0, b.u1, x.u1, c.u1, b.u2, c.u2, b.u3, x.u3,
+                                          c.u3, b.u4, c.u4, x.v1, b.v2, c.v2, x.v3);
+        vstore16(samples, (size_t)(r - 2) * (size_t)width + (size_t)(i - 1), descriptors);
       }
     }
   }

@@ -61,8 +61,8 @@ __kernel __attribute__((reqd_work_group_size(TILE_X, TILE_Y, 1))) void descripto
   const int t = TILE_X + 2;
   __local const uchar* u = du_tile + (int)get_local_id(1) * s + (int)get_local_id(0);
   __local const uchar* v = dv_tile + (int)get_local_id(1) * t + (int)get_local_id(0);
-  const uchar16 samples = (uchar16)(u[1], u[3], u[s], u[s + 2], u[s + 4], u[2 * s + 1],
-                                    u[2 * s + 3], u[3 * s], u[3 * s + 2], u[3 * s + 4],
+  const uchar16 samples = (uchar16)(u[1], u[3], u[s + 1], u[s + 2], u[s + 3], u[2 * s + 1],
+                                    u[2 * s + 3], u[3 * s + 1], u[3 * s + 2], u[3 * s + 3],
                                     u[4 * s + 1], u[4 * s + 3], v[1], v[t], v[t + 2], v[2 * t + 1]);
   vstore16(samples, (size_t)y * (size_t)width + (size_t)x, descriptors);
 }

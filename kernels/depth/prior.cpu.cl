@@ -1,41 +1,41 @@
 // The priors: disparities seen in each cell, and the planes' disparity at each pixel. CPU variant.
 // Assumes: triangles' corners in order of row and column, inside the picture; slopes below those in
-// planes.h. grid_prior: one work-item takes a row of cells; plane_prior: one takes BAND rows of
-// pixels and meets every triangle. Local size 1.
+// planes.h. grid_seen, grid_prior: one work-item takes a row of cells; plane_prior: one takes BAND
+// rows of pixels and meets every triangle. Local size 1.
 #include "depth/constants.clh"
 #include "depth/plane.clh"
+#include "depth/seen.clh"
+
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void grid_seen(
+    __global const short* restrict grid, __global uint* restrict seen, int columns, int rows,
+    int cell, int grid_columns, int grid_rows, int step, int max_disparity, int right) {
+  uint marks[MAX_COLUMNS * SEEN_WORDS];
+  const int cy = (int)get_global_id(0);
+  mark_row(grid, marks, cy, columns, cell, grid_columns, grid_rows, step, max_disparity, right);
+  __global uint* out = seen + (size_t)cy * (size_t)columns * SEEN_WORDS;
+  for (int k = 0; k < columns * SEEN_WORDS; ++k) out[k] = marks[k];
+}
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void grid_prior(
-    __global const short* restrict grid, __global ushort* restrict counts,
-    __global uchar* restrict lists, int columns, int rows, int grid_columns, int grid_rows,
-    int step, int max_disparity, int right) {
+    __global const uint* restrict seen, __global ushort* restrict counts,
+    __global uchar* restrict lists, int columns, int rows, int max_disparity) {
   const int cy = (int)get_global_id(0);
-  if (cy >= rows) return;
-  const int top = (cy * CELL + step - 1) / step;
-  const int bottom = min(((cy + 1) * CELL + step - 1) / step, grid_rows);
-  const int reach = right != 0 ? max_disparity : 0;
   for (int cx = 0; cx < columns; ++cx) {
-    uchar seen[DISPARITIES + 2];  // at d + 1
-    for (int k = 0; k < DISPARITIES + 2; ++k) seen[k] = 0;
-    const int begin = (cx * CELL + step - 1) / step;
-    const int end = min(((cx + 1) * CELL + reach + step - 1) / step, grid_columns);
-    for (int j = top; j < bottom; ++j) {
-      for (int i = begin; i < end; ++i) {
-        const int d = grid[j * grid_columns + i];
-        const int u = i * step - (right != 0 ? d : 0) - cx * CELL;
-        if (d < 0 || u < 0 || u >= CELL) continue;
-        seen[d] = 1;
-        seen[d + 1] = 1;
-        seen[d + 2] = 1;
+    uint8 marks = (uint8)(0);
+    for (int y = max(cy - 1, 0); y <= min(cy + 1, rows - 1); ++y) {
+      for (int x = max(cx - 1, 0); x <= min(cx + 1, columns - 1); ++x) {
+        marks |= vload8((size_t)(y * columns + x), seen);
       }
     }
-    const int cell = cy * columns + cx;
-    __global uchar* list = lists + (size_t)cell * (size_t)(max_disparity + 1);
+    uint words[SEEN_WORDS];
+    vstore8(marks, 0, words);
+    const size_t at = (size_t)(cy * columns + cx);
+    __global uchar* list = lists + at * (size_t)(max_disparity + 1);
     int n = 0;
     for (int d = 0; d <= max_disparity; ++d) {
-      if (seen[d + 1] != 0) list[n++] = (uchar)d;
+      if (((words[d / 32] >> (d % 32)) & 1u) != 0) list[n++] = (uchar)d;
     }
-    counts[cell] = (ushort)n;
+    counts[at] = (ushort)n;
   }
 }
 

@@ -5,38 +5,42 @@
 #include "common/fpga.clh"
 #include "depth/constants.clh"
 #include "depth/plane.clh"
+#include "depth/seen.clh"
+
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void grid_seen(
+    __global const short* restrict grid, __global uint* restrict seen, int columns, int rows,
+    int cell, int grid_columns, int grid_rows, int step, int max_disparity, int right) {
+  uint marks[(FPGA_WIDTH / MIN_CELL) * SEEN_WORDS] PARTITION_CYCLIC(SEEN_WORDS, 1);
+  for (int cy = 0; cy < rows; ++cy) {
+    mark_row(grid, marks, cy, columns, cell, grid_columns, grid_rows, step, max_disparity, right);
+    PIPELINE(1)
+    for (int k = 0; k < columns * SEEN_WORDS; ++k) {
+      seen[(size_t)cy * (size_t)columns * SEEN_WORDS + (size_t)k] = marks[k];
+    }
+  }
+}
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void grid_prior(
-    __global const short* restrict grid, __global ushort* restrict counts,
-    __global uchar* restrict lists, int columns, int rows, int grid_columns, int grid_rows,
-    int step, int max_disparity, int right) {
-  const int reach = right != 0 ? max_disparity : 0;
-  uchar seen[DISPARITIES + 2] PARTITION_COMPLETE(1);  // at d + 1
-  for (int cell = 0, cx = 0, cy = 0; cell < columns * rows; ++cell) {
-    UNROLL(DISPARITIES + 2)
-    for (int k = 0; k < DISPARITIES + 2; ++k) seen[k] = 0;
-    const int begin = (cx * CELL + step - 1) / step;
-    const int end = min(((cx + 1) * CELL + reach + step - 1) / step, grid_columns);
-    const int top = (cy * CELL + step - 1) / step;
-    const int bottom = min(((cy + 1) * CELL + step - 1) / step, grid_rows);
-    for (int j = top; j < bottom; ++j) {
+    __global const uint* restrict seen, __global ushort* restrict counts,
+    __global uchar* restrict lists, int columns, int rows, int max_disparity) {
+  uint words[SEEN_WORDS] PARTITION_COMPLETE(1);
+  for (int at = 0, cx = 0, cy = 0; at < columns * rows; ++at) {
+    UNROLL(SEEN_WORDS)
+    for (int k = 0; k < SEEN_WORDS; ++k) words[k] = 0;
+    for (int y = max(cy - 1, 0); y <= min(cy + 1, rows - 1); ++y) {
       PIPELINE(1)
-      for (int i = begin; i < end; ++i) {
-        const int d = grid[j * grid_columns + i];
-        const int u = i * step - (right != 0 ? d : 0) - cx * CELL;
-        if (d < 0 || u < 0 || u >= CELL) continue;
-        seen[d] = 1;
-        seen[d + 1] = 1;
-        seen[d + 2] = 1;
+      for (int x = max(cx - 1, 0); x <= min(cx + 1, columns - 1); ++x) {
+        UNROLL(SEEN_WORDS)
+        for (int k = 0; k < SEEN_WORDS; ++k) words[k] |= seen[(y * columns + x) * SEEN_WORDS + k];
       }
     }
-    __global uchar* list = lists + (size_t)cell * (size_t)(max_disparity + 1);
+    __global uchar* list = lists + (size_t)at * (size_t)(max_disparity + 1);
     int n = 0;
     PIPELINE(1)
     for (int d = 0; d <= max_disparity; ++d) {
-      if (seen[d + 1] != 0) list[n++] = (uchar)d;
+      if (((words[d / 32] >> (d % 32)) & 1u) != 0) list[n++] = (uchar)d;
     }
-    counts[cell] = (ushort)n;
+    counts[at] = (ushort)n;
     cx = cx + 1 < columns ? cx + 1 : 0;
     cy = cx == 0 ? cy + 1 : cy;
   }

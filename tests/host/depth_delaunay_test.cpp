@@ -184,7 +184,7 @@ TEST(Mesh, EveryPixelOfTheHullHasOneTriangle) {
 }
 
 TEST(Prior, EnergiesRiseFromThePlane) {
-  const auto table = prior_energies(0.02, 3, 1);
+  const auto table = prior_energies(0.02, 3, 1, 2);
   EXPECT_EQ(table[0], 0);
   EXPECT_TRUE(std::is_sorted(table.begin(), table.end()));
   // -log(3) + log(4) over β, in sixteenths: 230.15

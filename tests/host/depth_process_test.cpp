@@ -154,7 +154,8 @@ TEST(DepthProcess, RandomSizesParametersAndContentsGiveOneMap) {
     p.redun_max_distance = between(1, 16);
     p.beta = between(1, 1000) / 1000.0;
     p.gamma = between(1, 1000) / 100.0;
-    p.sigma = between(1, 100) / 10.0;
+    p.sigma = between(1, 80) / 10.0;
+    p.grid_size = between(8, 64);
     p.match_texture = between(0, 200);
     const SyntheticPair pair =
         round % 2 == 0 ? synthetic_pair(size, {0.03, 0.05, 5}, random())

@@ -64,6 +64,7 @@ std::span<const std::byte> bytes_of(const std::vector<T>& values) {
 struct View {
   cl::Buffer picture;
   cl::Buffer descriptors;
+  cl::Buffer seen;
   cl::Buffer counts;
   cl::Buffer lists;
   cl::Buffer corners;
@@ -107,6 +108,7 @@ struct Depth::Impl {
   Kernel support_plausible;
   Kernel support_redundant;
   Kernel support_list;
+  Kernel grid_seen;
   Kernel grid_prior;
   Kernel plane_prior;
   Kernel dense_match;
@@ -129,7 +131,7 @@ Depth::Impl::Impl(const Session& s, Size picture, const DepthParameters& p)
     : session(&s),
       size(picture),
       grid(grid_size(picture, p.candidate_step)),
-      cells(cell_size(picture)),
+      cells(cell_size(picture, p.grid_size)),
       parameters(p),
       sobel(s, sobel_spec()),
       descriptor(s, descriptor_spec()),
@@ -137,6 +139,7 @@ Depth::Impl::Impl(const Session& s, Size picture, const DepthParameters& p)
       support_plausible(s, support_plausible_spec()),
       support_redundant(s, support_redundant_spec()),
       support_list(s, support_list_spec()),
+      grid_seen(s, grid_seen_spec()),
       grid_prior(s, grid_prior_spec()),
       plane_prior(s, plane_prior_spec()),
       dense_match(s, dense_match_spec()),
@@ -150,22 +153,23 @@ Depth::Impl::Impl(const Session& s, Size picture, const DepthParameters& p)
   grid_thinned = s.make_buffer(points * sizeof(std::int16_t));
   list = s.make_buffer(points * sizeof(SupportPoint));
   count = s.make_buffer(sizeof(std::uint32_t));
-  prior = s.make_buffer(kPriorEntries * sizeof(std::uint16_t), CL_MEM_READ_ONLY);
+  const auto energies = prior_energies(p.beta, p.gamma, p.sigma, plane_radius(p));
+  prior = s.make_buffer(energies.size() * sizeof(std::uint16_t), CL_MEM_READ_ONLY);
   out = s.make_buffer(pixels * sizeof(std::uint16_t));
   for (View* view : {&left_view, &right_view}) {
     view->picture = s.make_buffer(pixels, CL_MEM_READ_ONLY);
     view->descriptors = s.make_buffer(pixels * kDescriptorBytes);
+    view->seen = s.make_buffer(area(cells) * kSeenWords * sizeof(std::uint32_t));
     view->counts = s.make_buffer(area(cells) * sizeof(std::uint16_t));
     view->lists = s.make_buffer(area(cells) * static_cast<std::size_t>(p.max_disparity + 1));
     // A triangulation of n points has fewer than 2 n triangles.
     view->corners = s.make_buffer(2 * points * kCornerEntries * sizeof(std::int16_t));
     view->planes = s.make_buffer(2 * points * kPlaneEntries * sizeof(std::int32_t));
     view->map = s.make_buffer(pixels * sizeof(std::int16_t));
-    view->disparities = s.make_buffer(pixels * sizeof(std::int16_t));
+    view->disparities = s.make_buffer(pixels * sizeof(std::uint16_t));
     view->host_counts.resize(area(cells));
   }
-  const auto energies = prior_energies(p.beta, p.gamma, p.sigma);
-  s.write(prior, std::as_bytes(std::span(energies)));
+  s.write(prior, bytes_of(energies));
   s.finish();
 }
 
@@ -203,10 +207,12 @@ void Depth::Impl::list_support() {
 }
 
 void Depth::Impl::seen_disparities(View& view, bool is_right) {
-  grid_prior.launch(grid_prior_shape(size, parameters, is_right), grid_plausible, view.counts,
-                    view.lists, cells.width, cells.height, grid.width, grid.height,
-                    parameters.candidate_step, parameters.max_disparity,
-                    static_cast<int>(is_right));
+  const DepthParameters& p = parameters;
+  grid_seen.launch(grid_seen_shape(size, p, is_right), grid_plausible, view.seen, cells.width,
+                   cells.height, p.grid_size, grid.width, grid.height, p.candidate_step,
+                   p.max_disparity, static_cast<int>(is_right));
+  grid_prior.launch(grid_prior_shape(size, p), view.seen, view.counts, view.lists, cells.width,
+                    cells.height, p.max_disparity);
 }
 
 /// Makes the view's mesh and sends it up; false if there is none.
@@ -232,18 +238,19 @@ void Depth::Impl::match(View& view, const View& other, bool is_right) {
                      size.width, size.height, view.mesh.triangles);
   // The lists' lengths say what the matching costs; they have been ready since before the meshes.
   std::int64_t& entries = view.totals.entries;
+  const int side = parameters.grid_size;
   for (int cy = 0; cy < cells.height; ++cy) {
     for (int cx = 0; cx < cells.width; ++cx) {
       const std::int64_t n = view.host_counts[static_cast<std::size_t>(cy * cells.width + cx)];
       entries +=
-          n * std::min(kCell, size.width - cx * kCell) * std::min(kCell, size.height - cy * kCell);
+          n * std::min(side, size.width - cx * side) * std::min(side, size.height - cy * side);
     }
   }
   const int last = parameters.max_disparity;
   dense_match.launch(dense_match_shape(size, parameters, view.totals, is_right), view.descriptors,
                      other.descriptors, view.map, view.counts, view.lists, prior, view.disparities,
-                     size.width, size.height, last, static_cast<int>(is_right),
-                     parameters.match_texture);
+                     size.width, size.height, side, last, plane_radius(parameters),
+                     static_cast<int>(is_right), parameters.match_texture);
 }
 
 DisparityMap Depth::Impl::process(const sensing::GrayImage& left, const sensing::GrayImage& right,

@@ -11,11 +11,11 @@
 
 namespace partita::depth {
 
-inline constexpr std::int64_t kBand = 16;          ///< rows of a CPU work-item
-inline constexpr int kLargestDisparity = 255;      ///< a disparity fits a byte
-inline constexpr int kLargestWindow = 16;          ///< grid steps, of the plausibility test
-inline constexpr int kLargestRadius = 16;          ///< px, around a plane
-inline constexpr int kSmallestCell = 8;            ///< px, of the grid prior
+inline constexpr std::int64_t kBand = 16;      ///< rows of a CPU work-item
+inline constexpr int kLargestDisparity = 255;  ///< a disparity fits a byte
+inline constexpr int kLargestWindow = 16;      ///< grid steps, of the plausibility test
+inline constexpr int kLargestRadius = 16;      ///< px, around a plane
+inline constexpr int kSmallestCell = 8;        ///< px, of the grid prior
 inline constexpr int kLargestCell = 64;
 inline constexpr std::int64_t kFpgaWidth = 1600;   ///< pixels that an FPGA row buffer holds
 inline constexpr std::int64_t kFpgaColumns = 512;  ///< grid points that an FPGA row buffer holds
@@ -33,9 +33,9 @@ inline Size grid_size(Size size, int step) {
           static_cast<int>(ceil_div(size.height, step))};
 }
 /// Cells of the grid prior.
-inline Size cell_size(Size size) {
-  return {static_cast<int>(ceil_div(size.width, kCell)),
-          static_cast<int>(ceil_div(size.height, kCell))};
+inline Size cell_size(Size size, int cell) {
+  return {static_cast<int>(ceil_div(size.width, cell)),
+          static_cast<int>(ceil_div(size.height, cell))};
 }
 inline std::size_t area(Size size) {
   return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);

@@ -16,16 +16,18 @@ struct Size {
 inline constexpr int kDescriptorBytes = 16;
 /// Pixels from the border at which a descriptor two pixels away is still made of whole windows.
 inline constexpr int kMargin = 5;
-/// Side of a cell of the grid prior, px.
-inline constexpr int kCell = 20;
+/// Words of 32 bits that mark the disparities seen in a cell.
+inline constexpr int kSeenWords = 8;
 /// Disparities have this many fractional bits in the plane prior's map.
 inline constexpr int kPlaneBits = 4;
 /// A pixel for which no plane speaks.
 inline constexpr std::int16_t kNoPlane = INT16_MIN;
 /// Energies count sixteenths of a grey level of descriptor distance.
 inline constexpr int kEnergyScale = 16;
-/// Entries of the prior's table: |d - μ| in sixteenths from 0 to 32, then "not near the plane".
-inline constexpr int kPriorEntries = 34;
+/// Entries of the prior's table: |d - μ| in sixteenths up to the radius, then "not near the plane".
+inline constexpr int prior_entries(int radius) {
+  return (radius << kPlaneBits) + 2;
+}
 
 /// 128 + the 3x3 Sobel response / 4, rounded down and held to 0..255; the picture's edge repeats.
 void golden_sobel(Size size, std::span<const std::uint8_t> image, std::span<std::uint8_t> du,
@@ -48,6 +50,10 @@ void golden_support_match(Size size, std::span<const std::uint8_t> left,
                           std::span<const std::uint8_t> right, const SupportRules& rules,
                           std::span<std::int16_t> grid);
 
+/// How many points of the grid are matched distinctly from left to right.
+std::int64_t golden_distinct_points(Size size, std::span<const std::uint8_t> left,
+                                    std::span<const std::uint8_t> right, const SupportRules& rules);
+
 /// Copies the grid without the points that fewer than `least` points in the window of +-`window`
 /// grid steps (the point itself included) agree with to within `threshold`.
 void golden_support_plausible(Size grid_size, std::span<const std::int16_t> grid, int window,
@@ -63,11 +69,16 @@ void golden_support_redundant(Size grid_size, bool vertical, int reach, int thre
 void golden_support_list(Size grid_size, int step, std::span<const std::int16_t> grid,
                          std::span<std::int16_t> list, std::span<std::uint32_t> count);
 
-/// For each cell the ascending disparities d-1, d, d+1 of the support points in it. Lists have
-/// max_disparity + 1 places. In the right view a point sits at u - d.
-void golden_grid_prior(Size size, Size grid_size, std::span<const std::int16_t> grid, int step,
-                       int max_disparity, bool right, std::span<std::uint16_t> counts,
-                       std::span<std::uint8_t> lists);
+/// Marks for each cell the disparities d-1, d, d+1 of the support points in it, those of 0 ..
+/// max_disparity: bit d % 32 of word d / 32 of the cell's kSeenWords. In the right view a point
+/// sits at u - d.
+void golden_grid_seen(Size size, int cell, Size grid_size, std::span<const std::int16_t> grid,
+                      int step, int max_disparity, bool right, std::span<std::uint32_t> seen);
+
+/// For each cell the ascending disparities marked for it or one of its eight neighbours. Lists have
+/// max_disparity + 1 places.
+void golden_grid_prior(Size cells, std::span<const std::uint32_t> seen, int max_disparity,
+                       std::span<std::uint16_t> counts, std::span<std::uint8_t> lists);
 
 /// Disparity of the plane of the triangle that covers each pixel, in 1/16 px. `corners` holds
 /// 8 numbers for each triangle (u, v of three corners, two unused), `planes` 4 (see planes.h).
@@ -75,16 +86,25 @@ void golden_plane_prior(Size size, std::span<const std::int16_t> corners,
                         std::span<const std::int32_t> planes, int triangles,
                         std::span<std::int16_t> map);
 
-/// The candidate with the least energy, -1 for a pixel without texture or without candidate.
+struct DenseRules {
+  int cell = 0;
+  int max_disparity = 0;
+  int radius = 0;  ///< disparities less than this from the plane are tried, px
+  int texture = 0;
+  bool right = false;
+};
+/// The candidate with the least energy, as in DisparityMap: 0 for a pixel without texture or
+/// without candidate. In the left view a parabola through the distances at the disparity and its
+/// neighbours refines it.
 void golden_dense_match(Size size, std::span<const std::uint8_t> own,
                         std::span<const std::uint8_t> other, std::span<const std::int16_t> map,
                         std::span<const std::uint16_t> counts, std::span<const std::uint8_t> lists,
-                        std::span<const std::uint16_t> prior, int max_disparity, bool right,
-                        int texture, std::span<std::int16_t> disparities);
+                        std::span<const std::uint16_t> prior, const DenseRules& rules,
+                        std::span<std::uint16_t> disparities);
 
-/// The left view's disparities that the right view's confirm, × 256; see DisparityMap.
-void golden_consistency(Size size, std::span<const std::int16_t> left,
-                        std::span<const std::int16_t> right, int lr_threshold,
+/// The left view's disparities that the right view's confirm; 0 elsewhere.
+void golden_consistency(Size size, std::span<const std::uint16_t> left,
+                        std::span<const std::uint16_t> right, int lr_threshold,
                         std::span<std::uint16_t> out);
 
 }  // namespace partita::depth

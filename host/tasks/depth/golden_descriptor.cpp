@@ -11,10 +11,11 @@ struct Offset {
   int y;
 };
 
-// The gradient along x carries the disparity: it is sampled on the twelve odd squares of the 5x5
-// window's checkerboard, which span it evenly. Of the gradient along y the four nearest are taken.
-constexpr Offset kDuSamples[] = {{-1, -2}, {1, -2}, {-2, -1}, {0, -1}, {2, -1}, {-1, 0},
-                                 {1, 0},   {-2, 1}, {0, 1},   {2, 1},  {-1, 2}, {1, 2}};
+// The gradient along x carries the disparity: it is sampled at the eight neighbours and at four
+// pixels two rows away. Narrow windows keep to one side of an edge in depth. Of the gradient along
+// y the four nearest are taken.
+constexpr Offset kDuSamples[] = {{-1, -2}, {1, -2}, {-1, -1}, {0, -1}, {1, -1}, {-1, 0},
+                                 {1, 0},   {-1, 1}, {0, 1},   {1, 1},  {-1, 2}, {1, 2}};
 constexpr Offset kDvSamples[] = {{0, -1}, {-1, 0}, {1, 0}, {0, 1}};
 
 std::uint8_t at(Size size, std::span<const std::uint8_t> image, int x, int y) {

@@ -7,27 +7,38 @@
 
 namespace partita::depth {
 
-void golden_grid_prior(Size size, Size grid_size, std::span<const std::int16_t> grid, int step,
-                       int max_disparity, bool right, std::span<std::uint16_t> counts,
-                       std::span<std::uint8_t> lists) {
-  const int columns = (size.width + kCell - 1) / kCell;
-  const int rows = (size.height + kCell - 1) / kCell;
-  for (int cy = 0; cy < rows; ++cy) {
-    for (int cx = 0; cx < columns; ++cx) {
-      std::array<bool, 258> seen{};  // index d + 1: d - 1 and d + 1 always have a place
-      for (int j = 0; j < grid_size.height; ++j) {
-        if (j * step / kCell != cy) continue;
-        for (int i = 0; i < grid_size.width; ++i) {
-          const int d = grid[static_cast<std::size_t>(j * grid_size.width + i)];
-          const int u = i * step - (right ? d : 0);
-          if (d < 0 || u < 0 || u / kCell != cx) continue;
-          for (int k = d; k <= d + 2; ++k) seen[static_cast<std::size_t>(k)] = true;
-        }
+void golden_grid_seen(Size size, int cell, Size grid_size, std::span<const std::int16_t> grid,
+                      int step, int max_disparity, bool right, std::span<std::uint32_t> seen) {
+  const int columns = (size.width + cell - 1) / cell;
+  std::fill(seen.begin(), seen.end(), 0u);
+  for (int j = 0; j < grid_size.height; ++j) {
+    for (int i = 0; i < grid_size.width; ++i) {
+      const int d = grid[static_cast<std::size_t>(j * grid_size.width + i)];
+      const int u = i * step - (right ? d : 0);
+      if (d < 0 || u < 0) continue;
+      const auto at = static_cast<std::size_t>((j * step / cell) * columns + u / cell);
+      for (int k = std::max(d - 1, 0); k <= std::min(d + 1, max_disparity); ++k) {
+        seen[at * kSeenWords + static_cast<std::size_t>(k / 32)] |= 1u << (k % 32);
       }
-      const auto cell = static_cast<std::size_t>(cy * columns + cx);
+    }
+  }
+}
+
+void golden_grid_prior(Size cells, std::span<const std::uint32_t> seen, int max_disparity,
+                       std::span<std::uint16_t> counts, std::span<std::uint8_t> lists) {
+  const auto marked = [&](int cx, int cy, int d) {
+    if (cx < 0 || cx >= cells.width || cy < 0 || cy >= cells.height) return false;
+    const auto at = static_cast<std::size_t>((cy * cells.width + cx) * kSeenWords + d / 32);
+    return ((seen[at] >> (d % 32)) & 1u) != 0;
+  };
+  for (int cy = 0; cy < cells.height; ++cy) {
+    for (int cx = 0; cx < cells.width; ++cx) {
+      const auto cell = static_cast<std::size_t>(cy * cells.width + cx);
       std::uint16_t n = 0;
       for (int d = 0; d <= max_disparity; ++d) {
-        if (!seen[static_cast<std::size_t>(d + 1)]) continue;
+        bool found = false;
+        for (int k = 0; k < 9; ++k) found = found || marked(cx + k % 3 - 1, cy + k / 3 - 1, d);
+        if (!found) continue;
         lists[cell * static_cast<std::size_t>(max_disparity + 1) + n++] =
             static_cast<std::uint8_t>(d);
       }

@@ -98,6 +98,18 @@ void golden_support_match(Size size, std::span<const std::uint8_t> left,
   }
 }
 
+std::int64_t golden_distinct_points(Size size, std::span<const std::uint8_t> left,
+                                    std::span<const std::uint8_t> right,
+                                    const SupportRules& rules) {
+  const View view{size, left, right, -1};
+  std::int64_t points = 0;
+  for (int v = 0; v < size.height; v += rules.step) {
+    if (v < kMargin || v >= size.height - kMargin) continue;
+    for (int u = 0; u < size.width; u += rules.step) points += match(view, u, v, rules) >= 0;
+  }
+  return points;
+}
+
 void golden_support_plausible(Size grid_size, std::span<const std::int16_t> grid, int window,
                               int threshold, int least, std::span<std::int16_t> out) {
   const auto at = [&](int i, int j) {

@@ -24,14 +24,15 @@ const runtime::KernelSpec& support_plausible_spec();
 const runtime::KernelSpec& support_redundant_spec();
 /// Lists the grid's points by row and column. Shape: columns, rows, points.
 const runtime::KernelSpec& support_list_spec();
-/// Disparities seen around each 20-pixel cell. Shape: width, height, columns, rows, max_disparity,
-/// step, right, points.
+/// Marks the disparities seen in each cell. Shape: width, height, cell, step, max_disparity, right.
+const runtime::KernelSpec& grid_seen_spec();
+/// Lists those of each cell and its neighbours. Shape: width, height, cell, max_disparity, listed.
 const runtime::KernelSpec& grid_prior_spec();
 /// Expected disparity of each pixel from its triangle. Shape: width, height, triangles, spans,
 /// covered.
 const runtime::KernelSpec& plane_prior_spec();
-/// Maximum a-posteriori disparities of one view. Shape: width, height, max_disparity, right,
-/// entries.
+/// Maximum a-posteriori disparities of one view. Shape: width, height, cell, max_disparity, radius,
+/// right, entries, planes.
 const runtime::KernelSpec& dense_match_spec();
 /// Left-right check and output format. Shape: width, height.
 const runtime::KernelSpec& consistency_spec();

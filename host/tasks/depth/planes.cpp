@@ -79,8 +79,8 @@ Mesh make_mesh(std::span<const SupportPoint> points, bool right) {
   return mesh;
 }
 
-std::array<std::uint16_t, kPriorEntries> prior_energies(double beta, double gamma, double sigma) {
-  std::array<std::uint16_t, kPriorEntries> table{};
+std::vector<std::uint16_t> prior_energies(double beta, double gamma, double sigma, int radius) {
+  std::vector<std::uint16_t> table(static_cast<std::size_t>(prior_entries(radius)));
   const auto entry = [&](double bonus) {
     const double energy = kEnergyScale * std::log((gamma + 1) / (gamma + bonus)) / beta;
     return static_cast<std::uint16_t>(std::min(65535.0, std::floor(energy + 0.5)));

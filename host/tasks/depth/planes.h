@@ -60,7 +60,7 @@ inline std::int16_t plane_at(const std::int32_t* plane, int du, int dv) {
 
 /// Energies of the prior, -log(γ + exp(-(d - μ)² / 2σ²)) / β, above their least value, in units of
 /// 1/16 of the descriptors' distance: entry i for |d - μ| = i/16 px, the last for -log γ.
-std::array<std::uint16_t, kPriorEntries> prior_energies(double beta, double gamma, double sigma);
+std::vector<std::uint16_t> prior_energies(double beta, double gamma, double sigma, int radius);
 
 }  // namespace partita::depth
 

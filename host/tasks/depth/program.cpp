@@ -26,8 +26,9 @@ class FrameProgram {
     find_support();
     list_support();
     for (const bool right : {false, true}) {
-      program_.launch(grid_prior_spec(), grid_prior_shape(size_, parameters_, right));
-      program_.read_later(area(cell_size(size_)) * sizeof(std::uint16_t));
+      program_.launch(grid_seen_spec(), grid_seen_shape(size_, parameters_, right));
+      program_.launch(grid_prior_spec(), grid_prior_shape(size_, parameters_));
+      program_.read_later(area(cell_size(size_, parameters_.grid_size)) * sizeof(std::uint16_t));
     }
     const bool meshed = triangulate(counts_.views[0]) && triangulate(counts_.views[1]);
     program_.finish();
@@ -101,7 +102,7 @@ FrameCounts typical_counts(int width, int height, const DepthParameters& paramet
     view.covered = pixels * 90 / 100;
     view.spans = view.triangles * 15;
     view.overlaps = view.triangles * 19 / 10;
-    view.entries = pixels * 46 / 10;
+    view.entries = pixels * 12;
   }
   return counts;
 }

@@ -13,8 +13,12 @@ inline runtime::Shape picture_shape(Size size) {
   return {{"width", size.width}, {"height", size.height}};
 }
 
+/// How many points can be matched distinctly is not known before: half of them, which is typical.
 inline runtime::Shape support_match_shape(Size size, const DepthParameters& p) {
-  return picture_shape(size).with("max_disparity", p.max_disparity).with("step", p.candidate_step);
+  return picture_shape(size)
+      .with("max_disparity", p.max_disparity)
+      .with("step", p.candidate_step)
+      .with("distinct", static_cast<std::int64_t>(area(grid_size(size, p.candidate_step))) / 2);
 }
 
 inline runtime::Shape grid_lines_shape(Size grid) {
@@ -34,13 +38,20 @@ inline runtime::Shape support_list_shape(Size grid) {
   return grid_lines_shape(grid).with("points", static_cast<std::int64_t>(area(grid)) / 8);
 }
 
-/// Likewise four disparities a cell.
-inline runtime::Shape grid_prior_shape(Size size, const DepthParameters& p, bool right) {
+inline runtime::Shape grid_seen_shape(Size size, const DepthParameters& p, bool right) {
   return picture_shape(size)
+      .with("cell", p.grid_size)
       .with("step", p.candidate_step)
       .with("max_disparity", p.max_disparity)
-      .with("right", right)
-      .with("listed", 4 * static_cast<std::int64_t>(area(cell_size(size))));
+      .with("right", right);
+}
+
+/// Likewise twelve disparities a cell.
+inline runtime::Shape grid_prior_shape(Size size, const DepthParameters& p) {
+  return picture_shape(size)
+      .with("cell", p.grid_size)
+      .with("max_disparity", p.max_disparity)
+      .with("listed", 12 * static_cast<std::int64_t>(area(cell_size(size, p.grid_size))));
 }
 
 inline runtime::Shape triangulation_shape(const FrameCounts& frame, const ViewCounts& view) {
@@ -58,7 +69,9 @@ inline runtime::Shape plane_prior_shape(Size size, const ViewCounts& view) {
 inline runtime::Shape dense_match_shape(Size size, const DepthParameters& p, const ViewCounts& view,
                                         bool right) {
   return picture_shape(size)
+      .with("cell", p.grid_size)
       .with("max_disparity", p.max_disparity)
+      .with("radius", plane_radius(p))
       .with("right", right)
       .with("entries", view.entries)
       .with("planes", view.covered);

@@ -34,43 +34,54 @@ Work dense_work(Variant variant, const Shape& shape) {
   const std::uint64_t pixels = width * height;
   const std::uint64_t entries = u64(shape["entries"]);  // of the lists, over all pixels
   const std::uint64_t planes = u64(shape["planes"]);    // pixels with a plane
-  const std::uint64_t candidates = entries + 4 * planes;
-  const Size cells = cell_size(size_of_shape(shape));
+  const std::uint64_t around = 2 * u64(shape["radius"]);
+  const std::uint64_t candidates = entries + around * planes;
+  const std::uint64_t refined = shape["right"] != 0 ? 0 : pixels;
+  const std::uint64_t table = 2 * u64(prior_entries(static_cast<int>(shape["radius"])));
+  const auto side = u64(shape["cell"]);
+  const Size cells = cell_size(size_of_shape(shape), static_cast<int>(shape["cell"]));
   Work work;
   work.kind = WorkKind::gather;
-  // Distance, energy, key, minimum; for those of a plane the distance from it; the texture.
-  work[OpClass::int_add] =
-      candidates * (kDistanceOps + 4) + planes * 4 * 3 + pixels * (kDistanceOps + 3);
+  // Distance, energy, key, minimum; for those of a plane the distance from it; the texture; three
+  // distances and the parabola.
+  work[OpClass::int_add] = candidates * (kDistanceOps + 4) + planes * around * 3 +
+                           pixels * (kDistanceOps + 3) + refined * (2 * kDistanceOps + 8);
+  work[OpClass::int_special] = refined / 2;
   work.read_unique =
-      pixels * (2 * kDescriptorBytes + 2) + area(cells) * 2 + entries / (kCell * kCell);
+      pixels * (2 * kDescriptorBytes + 2) + area(cells) * 2 + entries / (side * side);
   work.written_unique = work.written_issued = 2 * pixels;
   switch (variant) {
-    case Variant::cpu:
-      // Own descriptors once for the list and the texture, and again for each pixel with a plane.
-      work.read_issued = pixels * (kDescriptorBytes + 2) + entries * kDescriptorBytes +
-                         entries / 4 + planes * 5 * kDescriptorBytes +
-                         height * u64(cells.width) * 2 + u64(cells.height) * 66 * 2;
+    case Variant::cpu: {
+      // Vectors of four descriptors: of the pixels for the list and for the texture, of a listed
+      // disparity's; and for each pixel with a plane its own and those around the plane.
+      const std::uint64_t groups = u64(shape["radius"] + 1) / 2;
+      work.read_issued = pixels * (2 * kDescriptorBytes + 2) + entries * kDescriptorBytes +
+                         entries / 16 + planes * (1 + 4 * groups) * kDescriptorBytes +
+                         refined * 5 * kDescriptorBytes + area(cells) * 3 +
+                         u64(cells.height) * groups * 16 * 4 * 2;
       break;
+    }
     case Variant::gpu:
       work.read_issued =
-          groups(shape) * (u64(kGroupY * (kGroupX + shape["max_disparity"])) * kDescriptorBytes +
-                           kPriorEntries * 2) +
+          groups(shape) *
+              (u64(kGroupY * (kGroupX + shape["max_disparity"])) * kDescriptorBytes + table) +
           pixels * (kDescriptorBytes + 4) + entries;
       work.local_bytes =
           groups(shape) * u64(kGroupY * (kGroupX + shape["max_disparity"])) * kDescriptorBytes +
-          candidates * kDescriptorBytes;
+          (candidates + 3 * refined) * kDescriptorBytes;
       break;
     case Variant::fpga:
       work.read_issued = pixels * (2 * kDescriptorBytes + 2) + height * u64(cells.width) * 2 +
-                         entries / kCell + kPriorEntries * 2;
+                         entries / side + table;
       // A row of both views comes in over two ports, then a cell's list; then one candidate of one
       // pixel per clock, all operands on the chip; a pixel's minimum is due again after the whole
-      // cell, longer than the 16 stages. Last the decisions.
+      // cell, longer than the 16 stages. Last the decisions: three distances of a pixel, two ports
+      // of the row's memory, and a division of 20 stages.
       work.add_loop(pixels, 2, static_cast<std::uint32_t>(height * 20));
-      work.add_loop(entries / kCell, 1, static_cast<std::uint32_t>(height * u64(cells.width) * 8));
-      work.add_loop(entries + 4 * pixels, 1,
+      work.add_loop(entries / side, 1, static_cast<std::uint32_t>(height * u64(cells.width) * 8));
+      work.add_loop(entries + around * pixels, 1,
                     static_cast<std::uint32_t>(height * u64(cells.width) * 16));
-      work.add_loop(pixels, 1, static_cast<std::uint32_t>(height * u64(cells.width) * 10));
+      work.add_loop(pixels, 2, static_cast<std::uint32_t>(height * u64(cells.width) * 40));
       break;
   }
   return work;
@@ -85,9 +96,9 @@ struct DenseInputs {
 };
 
 /// Planes and lists at random: near the truth, off it, out of range, and none.
-DenseInputs random_priors(Size size, int last, std::uint32_t seed) {
+DenseInputs random_priors(Size size, int cell_side, int last, std::uint32_t seed) {
   std::mt19937 random(seed);
-  const Size cells = cell_size(size);
+  const Size cells = cell_size(size, cell_side);
   DenseInputs in;
   in.counts.resize(area(cells));
   in.lists.resize(area(cells) * static_cast<std::size_t>(last + 1));
@@ -100,8 +111,8 @@ DenseInputs random_priors(Size size, int last, std::uint32_t seed) {
         in.lists[cell * static_cast<std::size_t>(last + 1) + n++] = static_cast<std::uint8_t>(d);
       }
       in.counts[cell] = n;
-      in.entries += std::int64_t{n} * std::min(kCell, size.width - cx * kCell) *
-                    std::min(kCell, size.height - cy * kCell);
+      in.entries += std::int64_t{n} * std::min(cell_side, size.width - cx * cell_side) *
+                    std::min(cell_side, size.height - cy * cell_side);
     }
   }
   for (std::size_t i = 0; i < area(size); ++i) {
@@ -121,8 +132,9 @@ KernelCase dense_case(const Shape& shape, std::uint32_t seed) {
   const bool right = shape["right"] != 0;
   const auto own = describe(right ? pair.right : pair.left);
   const auto other = describe(right ? pair.left : pair.right);
-  const DenseInputs in = random_priors(size, last, seed);
-  const auto prior = prior_energies(0.02, 3, 1);
+  const DenseInputs in = random_priors(size, static_cast<int>(shape["cell"]), last, seed);
+  const int radius = static_cast<int>(shape["radius"]);
+  const auto prior = prior_energies(0.02, 3, 1, radius);
   return {shape.with("entries", in.entries).with("planes", in.planes),
           {HostArray::of<std::uint8_t>(ElementType::u8, own),
            HostArray::of<std::uint8_t>(ElementType::u8, other),
@@ -130,20 +142,24 @@ KernelCase dense_case(const Shape& shape, std::uint32_t seed) {
            HostArray::of<std::uint16_t>(ElementType::u16, in.counts),
            HostArray::of<std::uint8_t>(ElementType::u8, in.lists),
            HostArray::of<std::uint16_t>(ElementType::u16, prior),
-           HostArray(ElementType::i16, area(size)), number(size.width), number(size.height),
-           number(last), number(right), number(60)}};
+           HostArray(ElementType::u16, area(size)), number(size.width), number(size.height),
+           number(shape["cell"]), number(last), number(radius), number(right), number(60)}};
 }
 
 void dense_golden(KernelCase& c) {
+  const DenseRules rules{static_cast<int>(c.shape["cell"]),
+                         static_cast<int>(c.shape["max_disparity"]),
+                         static_cast<int>(c.shape["radius"]), 60, c.shape["right"] != 0};
   golden_dense_match(size_of_shape(c.shape), c.args[0].as<std::uint8_t>(),
                      c.args[1].as<std::uint8_t>(), c.args[2].as<std::int16_t>(),
                      c.args[3].as<std::uint16_t>(), c.args[4].as<std::uint8_t>(),
-                     c.args[5].as<std::uint16_t>(), static_cast<int>(c.shape["max_disparity"]),
-                     c.shape["right"] != 0, 60, c.args[6].as<std::int16_t>());
+                     c.args[5].as<std::uint16_t>(), rules, c.args[6].as<std::uint16_t>());
 }
 
-Shape dense_shape(std::int64_t width, std::int64_t height, std::int64_t last, bool right) {
-  return {{"width", width}, {"height", height}, {"max_disparity", last}, {"right", right}};
+Shape dense_shape(std::int64_t width, std::int64_t height, std::int64_t last, bool right,
+                  std::int64_t cell = 20, std::int64_t radius = 2) {
+  return {{"width", width}, {"height", height}, {"max_disparity", last},
+          {"right", right}, {"cell", cell},     {"radius", radius}};
 }
 
 KernelSpec make_dense() {
@@ -154,34 +170,38 @@ KernelSpec make_dense() {
                {"counts", Access::in, ElementType::u16},
                {"lists", Access::in, ElementType::u8},
                {"prior", Access::in, ElementType::u16},
-               {"disparities", Access::out, ElementType::i16},
+               {"disparities", Access::out, ElementType::u16},
                integer("width"),
                integer("height"),
+               integer("cell"),
                integer("max_disparity"),
+               integer("radius"),
                integer("right"),
                integer("texture")};
   spec.geometry = [](Variant variant, const Shape& shape) {
     if (variant == Variant::gpu) {
       return groups_over(shape["width"], shape["height"], kGroupX, kGroupY);
     }
-    return single_items(variant == Variant::cpu ? ceil_div(shape["height"], kCell) : 1);
+    return single_items(variant == Variant::cpu ? ceil_div(shape["height"], shape["cell"]) : 1);
   };
   spec.work = dense_work;
-  spec.gpu_local_bytes =
-      kGroupY * (kGroupX + kLargestDisparity) * kDescriptorBytes + 2 * kPriorEntries;
+  spec.gpu_local_bytes = kGroupY * (kGroupX + kLargestDisparity) * kDescriptorBytes +
+                         2 * prior_entries(kLargestRadius);
   spec.design.buffers[0] = {kFpgaWidth, 128, 2, 2};
   spec.design.buffers[1] = {kFpgaWidth, 16, 1, 2};
   spec.design.buffers[2] = {256, 8, 1, 2};
-  spec.design.buffers[3] = {kCell, 32, 1, 2};
-  spec.design.buffer_count = 4;
-  spec.design.operators[static_cast<std::size_t>(OpClass::int_add)] = 2 * kDistanceOps + 20;
+  spec.design.buffers[3] = {kLargestCell, 32, 1, 2};
+  spec.design.buffers[4] = {u64(prior_entries(kLargestRadius)), 16, 1, 2};
+  spec.design.buffer_count = 5;
+  spec.design.operators[static_cast<std::size_t>(OpClass::int_add)] = 5 * kDistanceOps + 30;
+  spec.design.operators[static_cast<std::size_t>(OpClass::int_special)] = 1;
   spec.design.operand_bits = 12;
   spec.design.memory_ports = 3;
   spec.make_case = dense_case;
   spec.golden = dense_golden;
   spec.small_shapes = {dense_shape(48, 12, 7, false), dense_shape(48, 12, 7, true)};
-  spec.shapes = {dense_shape(32, 16, 31, true), dense_shape(67, 45, 66, false),
-                 dense_shape(333, 75, 255, false), dense_shape(333, 75, 255, true),
+  spec.shapes = {dense_shape(32, 16, 31, true), dense_shape(67, 45, 66, false, 13, 3),
+                 dense_shape(333, 75, 255, false, 8, 16), dense_shape(333, 75, 255, true, 64, 5),
                  dense_shape(1280, 720, 127, false)};
   return spec;
 }
@@ -205,10 +225,13 @@ Work consistency_work(Variant variant, const Shape& shape) {
 
 KernelCase consistency_case(const Shape& shape, std::uint32_t seed) {
   std::mt19937 random(seed);
-  HostArray left(ElementType::i16, pixels_of(shape));
-  HostArray right(ElementType::i16, pixels_of(shape));
-  for (std::int16_t& d : left.as<std::int16_t>()) d = static_cast<std::int16_t>(random() % 12 - 1);
-  for (std::int16_t& d : right.as<std::int16_t>()) d = static_cast<std::int16_t>(random() % 12 - 1);
+  HostArray left(ElementType::u16, pixels_of(shape));
+  HostArray right(ElementType::u16, pixels_of(shape));
+  for (HostArray* view : {&left, &right}) {
+    for (std::uint16_t& d : view->as<std::uint16_t>()) {
+      d = static_cast<std::uint16_t>(random() % 8 == 0 ? random() % 2 : random() % 3000);
+    }
+  }
   return {shape,
           {std::move(left), std::move(right), HostArray(ElementType::u16, pixels_of(shape)),
            number(shape["width"]), number(shape["height"]), number(2)}};
@@ -216,8 +239,8 @@ KernelCase consistency_case(const Shape& shape, std::uint32_t seed) {
 
 KernelSpec make_consistency() {
   KernelSpec spec = depth_spec("consistency", "dense_match");
-  spec.args = {{"left", Access::in, ElementType::i16},
-               {"right", Access::in, ElementType::i16},
+  spec.args = {{"left", Access::in, ElementType::u16},
+               {"right", Access::in, ElementType::u16},
                {"out", Access::out, ElementType::u16},
                integer("width"),
                integer("height"),
@@ -235,8 +258,8 @@ KernelSpec make_consistency() {
   spec.design.memory_ports = 2;
   spec.make_case = consistency_case;
   spec.golden = [](KernelCase& c) {
-    golden_consistency(size_of_shape(c.shape), c.args[0].as<std::int16_t>(),
-                       c.args[1].as<std::int16_t>(), 2, c.args[2].as<std::uint16_t>());
+    golden_consistency(size_of_shape(c.shape), c.args[0].as<std::uint16_t>(),
+                       c.args[1].as<std::uint16_t>(), 2, c.args[2].as<std::uint16_t>());
   };
   spec.small_shapes = {{{"width", 40}, {"height", 9}}};
   spec.shapes = {{{"width", 1}, {"height", 1}},
@@ -264,6 +287,7 @@ std::vector<const KernelSpec*> kernel_specs() {
           &support_plausible_spec(),
           &support_redundant_spec(),
           &support_list_spec(),
+          &grid_seen_spec(),
           &grid_prior_spec(),
           &plane_prior_spec(),
           &dense_match_spec(),

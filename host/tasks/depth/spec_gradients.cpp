@@ -80,13 +80,13 @@ Work descriptor_work(Variant variant, const Shape& shape) {
   work.written_unique = work.written_issued = 16 * pixels;
   switch (variant) {
     case Variant::cpu: {
-      if (w < 20) {
+      if (w < 18) {
         work.read_issued = 16 * pixels;
         break;
       }
-      const std::uint64_t steps = (w - 4 + 15) / 16;
-      work.read_issued = h * (steps * 256 + 4 * 16);
-      work.written_issued = h * (steps * 256 + 4 * 16);
+      const std::uint64_t steps = (w - 2 + 15) / 16;
+      work.read_issued = h * (steps * 256 + 2 * 16);
+      work.written_issued = h * (steps * 256 + 2 * 16);
       break;
     }
     case Variant::gpu:
@@ -95,9 +95,9 @@ Work descriptor_work(Variant variant, const Shape& shape) {
       work.local_bytes = work.read_issued + 16 * pixels;
       break;
     case Variant::fpga:
-      // As for sobel, two rows and two columns behind; load, window, store: 10 stages.
+      // As for sobel, two rows behind; load, window, store: 10 stages.
       work.read_issued = (h + 2) * w * 2;
-      work.add_loop((h + 2) * (w + 2), 1, static_cast<std::uint32_t>((h + 2) * 10));
+      work.add_loop((h + 2) * (w + 1), 1, static_cast<std::uint32_t>((h + 2) * 10));
       break;
   }
   return work;

@@ -21,45 +21,141 @@ using runtime::Variant;
 
 constexpr std::int64_t kGroup = 64;
 
-// ---- grid_prior ---------------------------------------------------------------------------------
+Size cells_of(const Shape& shape) {
+  return cell_size(size_of_shape(shape), static_cast<int>(shape["cell"]));
+}
 
-/// Grid points that are looked at for all cells together.
+// ---- grid_seen ----------------------------------------------------------------------------------
+
+/// Grid points that the GPU variant looks at for all cells together.
 std::uint64_t looked_at(const Shape& shape) {
   const Size grid = grid_size(size_of_shape(shape), static_cast<int>(shape["step"]));
-  const Size cells = cell_size(size_of_shape(shape));
+  const Size cells = cells_of(shape);
   const std::int64_t step = shape["step"];
   const std::int64_t reach = shape["right"] != 0 ? shape["max_disparity"] : 0;
   std::uint64_t columns = 0;
   for (std::int64_t cx = 0; cx < cells.width; ++cx) {
-    const std::int64_t begin = ceil_div(cx * kCell, step);
+    const std::int64_t begin = ceil_div(cx * shape["cell"], step);
     const std::int64_t end =
-        std::min<std::int64_t>(ceil_div((cx + 1) * kCell + reach, step), grid.width);
+        std::min<std::int64_t>(ceil_div((cx + 1) * shape["cell"] + reach, step), grid.width);
     columns += u64(std::max<std::int64_t>(0, end - begin));
   }
   return columns * u64(grid.height);  // each row of the grid belongs to one row of cells
 }
 
-Work grid_prior_work(Variant variant, const Shape& shape) {
+Work grid_seen_work(Variant variant, const Shape& shape) {
   const Size grid = grid_size(size_of_shape(shape), static_cast<int>(shape["step"]));
-  const std::uint64_t cells = area(cell_size(size_of_shape(shape)));
-  const std::uint64_t disparities = u64(shape["max_disparity"]) + 1;
-  const std::uint64_t points = looked_at(shape);
+  const Size cells = cells_of(shape);
+  const std::uint64_t words = area(cells) * kSeenWords;
+  const std::uint64_t points = variant == Variant::gpu ? looked_at(shape) : area(grid);
   Work work;
   work.kind = WorkKind::reduce;
-  work[OpClass::int_add] = 4 * points + cells * disparities;
+  work[OpClass::int_add] = 4 * points;
   work[OpClass::int_mul] = points;
   work.read_unique = 2 * area(grid);
   work.read_issued = 2 * points;
-  work.written_unique = work.written_issued = u64(shape["listed"]) + 2 * cells;
+  work.written_unique = work.written_issued = 4 * words;
   if (variant == Variant::gpu) {
-    work[OpClass::atomic] = 3 * u64(shape["listed"]) / 2;
-    work[OpClass::int_special] = u64(shape["listed"]) * 3 + cells * 9;
-    work.local_bytes = cells * (9 * 8 + 4 * disparities);
+    work[OpClass::atomic] = area(grid);  // about a third of the points are there, three bits each
+    work.local_bytes = 4 * words * 2 + 4 * area(grid);
+  } else {
+    work[OpClass::int_special] = area(grid);
+  }
+  if (variant == Variant::fpga) {
+    // Clearing, marking and writing a row of cells. A point's three bits lie in two words at most,
+    // of a memory with as many banks as a cell has words; a point may meet the words of the one
+    // before, whose update takes 2 clocks.
+    const auto rows = static_cast<std::uint32_t>(cells.height);
+    work.add_loop(words, 1, rows * 4);
+    work.add_loop(area(grid), 2, static_cast<std::uint32_t>(grid.height) * 14);
+    work.add_loop(words, 1, rows * 6);
+  }
+  return work;
+}
+
+KernelCase grid_seen_case(const Shape& shape, std::uint32_t seed) {
+  const int step = static_cast<int>(shape["step"]);
+  const Size grid = grid_size(size_of_shape(shape), step);
+  const Size cells = cells_of(shape);
+  const int last = static_cast<int>(shape["max_disparity"]);
+  const auto values = synthetic_grid(size_of_shape(shape), step, last, 40, seed);
+  return {shape,
+          {HostArray::of<std::int16_t>(ElementType::i16, values),
+           HostArray(ElementType::u32, area(cells) * kSeenWords), number(cells.width),
+           number(cells.height), number(shape["cell"]), number(grid.width), number(grid.height),
+           number(step), number(last), number(shape["right"])}};
+}
+
+Shape seen_shape(std::int64_t width, std::int64_t height, std::int64_t last, bool right,
+                 std::int64_t cell = 20) {
+  return {{"width", width}, {"height", height},      {"cell", cell},
+          {"step", 5},      {"max_disparity", last}, {"right", right}};
+}
+
+KernelSpec make_grid_seen() {
+  KernelSpec spec = depth_spec("grid_seen", "prior");
+  spec.args = {{"grid", Access::in, ElementType::i16},
+               {"seen", Access::out, ElementType::u32},
+               integer("columns"),
+               integer("rows"),
+               integer("cell"),
+               integer("grid_columns"),
+               integer("grid_rows"),
+               integer("step"),
+               integer("max_disparity"),
+               integer("right")};
+  spec.geometry = [](Variant variant, const Shape& shape) {
+    const Size cells = cells_of(shape);
+    if (variant == Variant::gpu) return groups_over(cells.width * kGroup, cells.height, kGroup, 1);
+    return single_items(variant == Variant::cpu ? cells.height : 1);
+  };
+  spec.work = grid_seen_work;
+  spec.gpu_local_bytes = 4 * kSeenWords;
+  spec.design.buffers[0] = {kFpgaWidth / kSmallestCell, 32, kSeenWords, 2};
+  spec.design.buffer_count = 1;
+  spec.design.operators[static_cast<std::size_t>(OpClass::int_add)] = 16;
+  spec.design.operators[static_cast<std::size_t>(OpClass::int_mul)] = 2;
+  spec.design.operators[static_cast<std::size_t>(OpClass::int_special)] = 1;
+  spec.make_case = grid_seen_case;
+  spec.golden = [](KernelCase& c) {
+    const Size size = size_of_shape(c.shape);
+    const int step = static_cast<int>(c.shape["step"]);
+    golden_grid_seen(size, static_cast<int>(c.shape["cell"]), grid_size(size, step),
+                     c.args[0].as<std::int16_t>(), step, static_cast<int>(c.shape["max_disparity"]),
+                     c.shape["right"] != 0, c.args[1].as<std::uint32_t>());
+  };
+  spec.small_shapes = {seen_shape(64, 44, 15, false), seen_shape(64, 44, 15, true)};
+  spec.shapes = {seen_shape(32, 16, 31, true), seen_shape(333, 75, 255, false, 8),
+                 seen_shape(333, 75, 255, true, 64), seen_shape(1280, 720, 127, true)};
+  return spec;
+}
+
+// ---- grid_prior ---------------------------------------------------------------------------------
+
+/// Cells looked at for all cells together: each and its neighbours.
+std::uint64_t neighbours(Size cells) {
+  return u64(3 * cells.width - 2) * u64(3 * cells.height - 2);
+}
+
+Work grid_prior_work(Variant variant, const Shape& shape) {
+  const Size cells = cells_of(shape);
+  const std::uint64_t count = area(cells);
+  const std::uint64_t disparities = u64(shape["max_disparity"]) + 1;
+  const std::uint64_t words = neighbours(cells) * kSeenWords;
+  Work work;
+  work.kind = WorkKind::reduce;
+  work[OpClass::int_add] = words + 3 * count * disparities;
+  work.read_unique = count * kSeenWords * 4;
+  work.read_issued = 4 * words;
+  work.written_unique = work.written_issued = u64(shape["listed"]) + 2 * count;
+  if (variant == Variant::gpu) {
+    work[OpClass::int_special] = u64(shape["listed"]) * 2 + count * kSeenWords;
+    work.local_bytes = count * (kSeenWords * 8 + 4 * disparities);
   } else if (variant == Variant::fpga) {
-    // One grid point, then one disparity per clock; a row of points or a list fills the pipeline
-    // anew (10 stages).
-    work.add_loop(points, 1, static_cast<std::uint32_t>(cells * 4 * 10));
-    work.add_loop(cells * disparities, 1, static_cast<std::uint32_t>(cells * 10));
+    // One cell, then one disparity per clock; a row of cells or a list fills the pipeline anew (10
+    // stages). A cell's words come over one port: eight clocks.
+    work.add_loop(neighbours(cells), kSeenWords, static_cast<std::uint32_t>(count * 3 * 10));
+    work.add_loop(count * disparities, 1, static_cast<std::uint32_t>(count * 10));
   }
   return work;
 }
@@ -67,62 +163,54 @@ Work grid_prior_work(Variant variant, const Shape& shape) {
 KernelCase grid_prior_case(const Shape& shape, std::uint32_t seed) {
   const Size size = size_of_shape(shape);
   const int last = static_cast<int>(shape["max_disparity"]);
-  const int step = static_cast<int>(shape["step"]);
-  const bool right = shape["right"] != 0;
-  const Size grid = grid_size(size, step);
-  const Size cells = cell_size(size);
-  const auto values = synthetic_grid(size, step, last, 40, seed);
+  const int step = 5;
+  const Size cells = cells_of(shape);
+  const auto values = synthetic_grid(size, step, last, 10, seed);
+  std::vector<std::uint32_t> seen(area(cells) * kSeenWords);
+  golden_grid_seen(size, static_cast<int>(shape["cell"]), grid_size(size, step), values, step, last,
+                   false, seen);
   std::vector<std::uint16_t> counts(area(cells));
   std::vector<std::uint8_t> lists(area(cells) * static_cast<std::size_t>(last + 1));
-  golden_grid_prior(size, grid, values, step, last, right, counts, lists);
+  golden_grid_prior(cells, seen, last, counts, lists);
   std::int64_t listed = 0;
   for (const std::uint16_t n : counts) listed += n;
   return {shape.with("listed", listed),
-          {HostArray::of<std::int16_t>(ElementType::i16, values),
+          {HostArray::of<std::uint32_t>(ElementType::u32, seen),
            HostArray(ElementType::u16, counts.size()), HostArray(ElementType::u8, lists.size()),
-           number(cells.width), number(cells.height), number(grid.width), number(grid.height),
-           number(step), number(last), number(right)}};
+           number(cells.width), number(cells.height), number(last)}};
 }
 
-Shape grid_shape(std::int64_t width, std::int64_t height, std::int64_t last, bool right) {
-  return {
-      {"width", width}, {"height", height}, {"step", 5}, {"max_disparity", last}, {"right", right}};
+Shape prior_shape(std::int64_t width, std::int64_t height, std::int64_t last,
+                  std::int64_t cell = 20) {
+  return {{"width", width}, {"height", height}, {"cell", cell}, {"max_disparity", last}};
 }
 
 KernelSpec make_grid_prior() {
   KernelSpec spec = depth_spec("grid_prior", "prior");
-  spec.args = {{"grid", Access::in, ElementType::i16},
+  spec.args = {{"seen", Access::in, ElementType::u32},
                {"counts", Access::out, ElementType::u16},
                {"lists", Access::out, ElementType::u8},
                integer("columns"),
                integer("rows"),
-               integer("grid_columns"),
-               integer("grid_rows"),
-               integer("step"),
-               integer("max_disparity"),
-               integer("right")};
+               integer("max_disparity")};
   spec.geometry = [](Variant variant, const Shape& shape) {
-    const Size cells = cell_size(size_of_shape(shape));
+    const Size cells = cells_of(shape);
     if (variant == Variant::gpu) return groups_over(cells.width * kGroup, cells.height, kGroup, 1);
     return single_items(variant == Variant::cpu ? cells.height : 1);
   };
   spec.work = grid_prior_work;
-  spec.gpu_local_bytes = 9 * 4;
-  spec.design.buffers[0] = {258, 1, 1, 2};
-  spec.design.buffer_count = 1;
-  spec.design.operators[static_cast<std::size_t>(OpClass::int_add)] = 10;
-  spec.design.operators[static_cast<std::size_t>(OpClass::int_mul)] = 2;
+  spec.gpu_local_bytes = 4 * kSeenWords;
+  spec.design.operators[static_cast<std::size_t>(OpClass::int_add)] = 24;
+  spec.design.operand_bits = 32;
   spec.make_case = grid_prior_case;
   spec.golden = [](KernelCase& c) {
-    const Size size = size_of_shape(c.shape);
-    const int step = static_cast<int>(c.shape["step"]);
-    golden_grid_prior(size, grid_size(size, step), c.args[0].as<std::int16_t>(), step,
-                      static_cast<int>(c.shape["max_disparity"]), c.shape["right"] != 0,
-                      c.args[1].as<std::uint16_t>(), c.args[2].as<std::uint8_t>());
+    golden_grid_prior(cells_of(c.shape), c.args[0].as<std::uint32_t>(),
+                      static_cast<int>(c.shape["max_disparity"]), c.args[1].as<std::uint16_t>(),
+                      c.args[2].as<std::uint8_t>());
   };
-  spec.small_shapes = {grid_shape(64, 44, 15, false), grid_shape(64, 44, 15, true)};
-  spec.shapes = {grid_shape(32, 16, 31, true), grid_shape(333, 75, 255, false),
-                 grid_shape(333, 75, 255, true), grid_shape(1280, 720, 127, true)};
+  spec.small_shapes = {prior_shape(64, 44, 15)};
+  spec.shapes = {prior_shape(32, 16, 31), prior_shape(333, 75, 255, 8), prior_shape(333, 75, 255),
+                 prior_shape(1280, 720, 127)};
   return spec;
 }
 
@@ -237,6 +325,11 @@ runtime::HostSpec make_triangulation() {
 }
 
 }  // namespace
+
+const KernelSpec& grid_seen_spec() {
+  static const KernelSpec spec = make_grid_seen();
+  return spec;
+}
 
 const KernelSpec& grid_prior_spec() {
   static const KernelSpec spec = make_grid_prior();

@@ -25,6 +25,8 @@ struct Points {
   std::uint64_t columns = 0;
   std::uint64_t tried = 0;  ///< disparities weighed in one row of the grid, both directions: at
                             ///< least; the way back has more room by the disparity found
+  std::uint64_t sixteens_forth = 0;  ///< steps of 16 disparities in one row, on the way there
+  std::uint64_t sixteens_back = 0;   ///< and for one point on the way back, typically
 };
 
 /// Those far enough from the border; the GPU variant matches all, at the nearest place inside.
@@ -42,7 +44,11 @@ Points matched_points(Variant variant, const Shape& shape) {
     ++points.columns;
     points.tried += u64(std::min(last, inner - kMargin) + 1);
     points.tried += u64(std::min(last, end_u - inner) + 1);
+    points.sixteens_forth += u64(std::min(last, inner - kMargin) / 16 + 1);
+    points.sixteens_back += u64(std::min(last, end_u - inner) / 16 + 1);
   }
+  if (points.columns > 0)
+    points.sixteens_back = (points.sixteens_back + points.columns / 2) / points.columns;
   return points;
 }
 
@@ -76,7 +82,10 @@ Work work_of(Variant variant, const Shape& shape) {
   work.written_unique = work.written_issued = area(grid) * 2;
   switch (variant) {
     case Variant::cpu:
-      work.read_issued = matches * ((disparities + 3) / 4 * 4 * 64 + 5 * kDescriptorBytes);
+      // Sixteen disparities at once, of four descriptors; back only from the distinct ones.
+      work.read_issued =
+          (in.sixteens_forth * in.rows + u64(shape["distinct"]) * in.sixteens_back) * 16 * 64 +
+          (matches / 2 + u64(shape["distinct"])) * 5 * kDescriptorBytes;
       break;
     case Variant::gpu:
       // Two staged stretches for each match; five descriptors of its own for each work-item.
@@ -105,8 +114,10 @@ KernelCase make_case(const Shape& shape, std::uint32_t seed) {
   const auto left = describe(pair.left);
   const auto right = describe(pair.right);
   const Size grid = grid_size(size, static_cast<int>(shape["step"]));
+  const SupportRules rules{static_cast<int>(shape["max_disparity"]),
+                           static_cast<int>(shape["step"]), 10, 85, 2};
   return {
-      shape,
+      shape.with("distinct", golden_distinct_points(size, left, right, rules)),
       {HostArray::of<std::uint8_t>(ElementType::u8, left),
        HostArray::of<std::uint8_t>(ElementType::u8, right), HostArray(ElementType::i16, area(grid)),
        number(size.width), number(size.height), number(shape["step"]),
