@@ -96,6 +96,8 @@ struct Depth::Impl {
   bool triangulate(View& view, bool is_right);
   FrameCounts counts() const;
   void match(View& view, const View& other, bool is_right);
+  void post_process();
+  void filter(Kernel& kernel);
 
   const Session* session;
   Size size;
@@ -113,6 +115,12 @@ struct Depth::Impl {
   Kernel plane_prior;
   Kernel dense_match;
   Kernel consistency;
+  Kernel segments;
+  Kernel join_segments;
+  Kernel remove_speckles;
+  Kernel fill_gaps;
+  Kernel adaptive_mean;
+  Kernel median;
   cl::Buffer du;
   cl::Buffer dv;
   cl::Buffer grid_matched;
@@ -121,7 +129,10 @@ struct Depth::Impl {
   cl::Buffer list;
   cl::Buffer count;
   cl::Buffer prior;
+  cl::Buffer labels;
+  cl::Buffer sizes;
   cl::Buffer out;
+  cl::Buffer filtered;
   View left_view;
   View right_view;
   std::vector<SupportPoint> support;
@@ -143,7 +154,13 @@ Depth::Impl::Impl(const Session& s, Size picture, const DepthParameters& p)
       grid_prior(s, grid_prior_spec()),
       plane_prior(s, plane_prior_spec()),
       dense_match(s, dense_match_spec()),
-      consistency(s, consistency_spec()) {
+      consistency(s, consistency_spec()),
+      segments(s, segments_spec()),
+      join_segments(s, join_segments_spec()),
+      remove_speckles(s, remove_speckles_spec()),
+      fill_gaps(s, fill_gaps_spec()),
+      adaptive_mean(s, adaptive_mean_spec()),
+      median(s, median_spec()) {
   const std::size_t pixels = area(size);
   const std::size_t points = area(grid);
   du = s.make_buffer(pixels);
@@ -155,7 +172,10 @@ Depth::Impl::Impl(const Session& s, Size picture, const DepthParameters& p)
   count = s.make_buffer(sizeof(std::uint32_t));
   const auto energies = prior_energies(p.beta, p.gamma, p.sigma, plane_radius(p));
   prior = s.make_buffer(energies.size() * sizeof(std::uint16_t), CL_MEM_READ_ONLY);
+  labels = s.make_buffer(pixels * sizeof(std::int32_t));
+  sizes = s.make_buffer(pixels * sizeof(std::int32_t));
   out = s.make_buffer(pixels * sizeof(std::uint16_t));
+  filtered = s.make_buffer(pixels * sizeof(std::uint16_t));
   for (View* view : {&left_view, &right_view}) {
     view->picture = s.make_buffer(pixels, CL_MEM_READ_ONLY);
     view->descriptors = s.make_buffer(pixels * kDescriptorBytes);
@@ -253,6 +273,32 @@ void Depth::Impl::match(View& view, const View& other, bool is_right) {
                      static_cast<int>(is_right), parameters.match_texture);
 }
 
+/// Speckles, gaps, filters: in `out`.
+void Depth::Impl::post_process() {
+  const DepthParameters& p = parameters;
+  const Shape shape = picture_shape(size);
+  if (p.speckle_size > 1) {
+    const int similarity = p.speckle_similarity * 256;
+    segments.launch(shape, out, labels, sizes, size.width, size.height, similarity);
+    join_segments.launch(shape, out, labels, sizes, size.width, size.height, similarity);
+    remove_speckles.launch(shape, out, labels, sizes, size.width, size.height, p.speckle_size);
+  }
+  if (p.ipol_gap_width > 0) {
+    for (const int vertical : {0, 1}) {
+      fill_gaps.launch(fill_gaps_shape(size, p, vertical), out, size.width, size.height, vertical,
+                       p.ipol_gap_width, static_cast<int>(p.add_corners));
+    }
+  }
+  if (p.filter_adaptive_mean) filter(adaptive_mean);
+  if (p.filter_median) filter(median);
+}
+
+/// Along the rows, then along the columns.
+void Depth::Impl::filter(Kernel& kernel) {
+  kernel.launch(filter_shape(size, 0), out, filtered, size.width, size.height, 0);
+  kernel.launch(filter_shape(size, 1), filtered, out, size.width, size.height, 1);
+}
+
 DisparityMap Depth::Impl::process(const sensing::GrayImage& left, const sensing::GrayImage& right,
                                   std::int64_t frame) {
   for (const sensing::GrayImage* image : {&left, &right}) {
@@ -291,6 +337,7 @@ DisparityMap Depth::Impl::process(const sensing::GrayImage& left, const sensing:
   map.counts = counts();
   consistency.launch(picture_shape(size), left_view.disparities, right_view.disparities, out,
                      size.width, size.height, parameters.lr_threshold);
+  post_process();
   session->read(out, std::as_writable_bytes(std::span(map.values)));
   return map;
 }

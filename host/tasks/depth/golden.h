@@ -107,6 +107,31 @@ void golden_consistency(Size size, std::span<const std::uint16_t> left,
                         std::span<const std::uint16_t> right, int lr_threshold,
                         std::span<std::uint16_t> out);
 
+/// Segments inside bands of kBand rows; kernels/depth/segments.gpu.cl says what labels and sizes
+/// are, here and after joining. `similarity` is in 1/256 px.
+void golden_segments(Size size, std::span<const std::uint16_t> map, int similarity,
+                     std::span<std::int32_t> labels, std::span<std::int32_t> sizes);
+void golden_join_segments(Size size, std::span<const std::uint16_t> map, int similarity,
+                          std::span<std::int32_t> labels, std::span<std::int32_t> sizes);
+/// Clears the disparities of segments of fewer than `least` pixels.
+void golden_remove_speckles(std::span<const std::int32_t> labels,
+                            std::span<const std::int32_t> sizes, int least,
+                            std::span<std::uint16_t> map);
+
+/// Fills gaps of up to `gap` pixels in each row (or column): by the mean of the disparities at
+/// their ends if these differ by less than 3 px, else by the smaller one, which is the
+/// background's. With `extend` the first and last disparity go on for up to `gap` pixels towards
+/// the ends of the line.
+void golden_fill_gaps(Size size, bool vertical, int gap, bool extend, std::span<std::uint16_t> map);
+
+/// Along rows (or columns) each disparity becomes the mean of the nine around it, weighted by 4 px
+/// less their difference to it; those four from an end, or nearer, stay.
+void golden_adaptive_mean(Size size, bool vertical, std::span<const std::uint16_t> map,
+                          std::span<std::uint16_t> out);
+/// The same with the median of seven; pixels without disparity count as the least.
+void golden_median(Size size, bool vertical, std::span<const std::uint16_t> map,
+                   std::span<std::uint16_t> out);
+
 }  // namespace partita::depth
 
 #endif  // PARTITA_HOST_TASKS_DEPTH_GOLDEN_H

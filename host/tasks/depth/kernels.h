@@ -34,8 +34,18 @@ const runtime::KernelSpec& plane_prior_spec();
 /// Maximum a-posteriori disparities of one view. Shape: width, height, cell, max_disparity, radius,
 /// right, entries, planes.
 const runtime::KernelSpec& dense_match_spec();
-/// Left-right check and output format. Shape: width, height.
+/// Left-right check. Shape: width, height.
 const runtime::KernelSpec& consistency_spec();
+/// Segments of similar disparities in bands of rows, and across them. Shape: width, height.
+const runtime::KernelSpec& segments_spec();
+const runtime::KernelSpec& join_segments_spec();
+/// Removes small segments. Shape: width, height.
+const runtime::KernelSpec& remove_speckles_spec();
+/// Fills gaps in rows or columns. Shape: width, height, vertical, gap, extend, filled.
+const runtime::KernelSpec& fill_gaps_spec();
+/// Filters along rows or columns. Shape: width, height, vertical.
+const runtime::KernelSpec& adaptive_mean_spec();
+const runtime::KernelSpec& median_spec();
 
 /// Delaunay triangulation and planes of one view. Shape: points, triangles.
 const runtime::HostSpec& triangulation_spec();

@@ -35,6 +35,7 @@ class FrameProgram {
     if (!meshed) return std::move(program_);
     for (const bool right : {false, true}) match(right);
     program_.launch(consistency_spec(), picture_shape(size_));
+    post_process();
     program_.read(area(size_) * sizeof(std::uint16_t));
     return std::move(program_);
   }
@@ -75,6 +76,26 @@ class FrameProgram {
     const ViewCounts& view = counts_.views[right ? 1 : 0];
     program_.launch(plane_prior_spec(), plane_prior_shape(size_, view));
     program_.launch(dense_match_spec(), dense_match_shape(size_, parameters_, view, right));
+  }
+
+  void post_process() {
+    const DepthParameters& p = parameters_;
+    if (p.speckle_size > 1) {
+      program_.launch(segments_spec(), picture_shape(size_));
+      program_.launch(join_segments_spec(), picture_shape(size_));
+      program_.launch(remove_speckles_spec(), picture_shape(size_));
+    }
+    if (p.ipol_gap_width > 0) {
+      for (const int vertical : {0, 1}) {
+        program_.launch(fill_gaps_spec(), fill_gaps_shape(size_, p, vertical));
+      }
+    }
+    if (p.filter_adaptive_mean) filter(adaptive_mean_spec());
+    if (p.filter_median) filter(median_spec());
+  }
+
+  void filter(const runtime::KernelSpec& spec) {
+    for (const int vertical : {0, 1}) program_.launch(spec, filter_shape(size_, vertical));
   }
 
   Size size_;

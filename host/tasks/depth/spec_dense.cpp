@@ -291,7 +291,13 @@ std::vector<const KernelSpec*> kernel_specs() {
           &grid_prior_spec(),
           &plane_prior_spec(),
           &dense_match_spec(),
-          &consistency_spec()};
+          &consistency_spec(),
+          &segments_spec(),
+          &join_segments_spec(),
+          &remove_speckles_spec(),
+          &fill_gaps_spec(),
+          &adaptive_mean_spec(),
+          &median_spec()};
 }
 
 std::vector<const runtime::HostSpec*> host_specs() {
