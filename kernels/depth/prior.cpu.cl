@@ -11,6 +11,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void grid_seen(
     int cell, int grid_columns, int grid_rows, int step, int max_disparity, int right) {
   uint marks[MAX_COLUMNS * SEEN_WORDS];
   const int cy = (int)get_global_id(0);
+  if (cy >= rows) return;
   mark_row(grid, marks, cy, columns, cell, grid_columns, grid_rows, step, max_disparity, right);
   __global uint* out = seen + (size_t)cy * (size_t)columns * SEEN_WORDS;
   for (int k = 0; k < columns * SEEN_WORDS; ++k) out[k] = marks[k];

@@ -1,24 +1,38 @@
 // Segments of similar disparities; see segments.gpu.cl for what they are. CPU variant.
-// Assumes: pictures at most MAX_WIDTH wide. segments: one work-item takes a band of BAND rows;
+// Assumes: pictures with fewer than 2^31 pixels. segments: one work-item takes a band of BAND rows;
 // join_segments: one takes everything, for there are few borders. Local size 1.
 #include "depth/segments.clh"
 
-#define MAX_WIDTH 4096
-
+// First every pixel gets the root of its run, and roots of runs above each other are united under the
+// least; then, as roots come before what they hold, one pass in order replaces every label by its
+// root's.
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void segments(
     __global const ushort* restrict map, __global int* restrict labels, __global int* restrict sizes,
     int width, int height, int similarity) {
-  ushort band[BAND * MAX_WIDTH];
-  int band_labels[BAND * MAX_WIDTH];
-  int band_sizes[BAND * MAX_WIDTH];
   const int top = (int)get_global_id(0) * BAND;
-  const int rows = min(BAND, height - top);
-  const int first = top * width;
-  for (int i = 0; i < rows * width; ++i) band[i] = map[first + i];
-  label_band(band, band_labels, band_sizes, width, rows, similarity);
-  for (int i = 0; i < rows * width; ++i) {
-    labels[first + i] = band_labels[i] + (band_labels[i] < 0 ? 0 : first);
-    sizes[first + i] = band_sizes[i];
+  const int bottom = min(top + BAND, height);
+  for (int y = top; y < bottom; ++y) {
+    int root = -1;
+    int left = 0;
+    for (int i = y * width; i < (y + 1) * width; ++i) {
+      const int d = map[i];
+      if (!alike(d, left, similarity)) root = d != 0 ? i : -1;
+      left = d;
+      labels[i] = root;
+      if (y == top || !alike(d, map[i - width], similarity)) continue;
+      const int above = root_of(labels, labels[i - width]);
+      const int least = min(above, root);
+      labels[above] = least;
+      labels[root] = least;
+      root = least;
+    }
+  }
+  for (int i = top * width; i < bottom * width; ++i) {
+    sizes[i] = 0;
+    if (labels[i] < 0) continue;
+    const int root = labels[labels[i]];
+    labels[i] = root;
+    sizes[root] += 1;
   }
 }
 

@@ -35,6 +35,11 @@ static inline void unite(volatile __global int* labels, int a, int b) {
   }
 }
 
+static inline void move_size(volatile __global int* sizes, int from, int to) {
+  const int size = from != to ? atomic_xchg(sizes + from, 0) : 0;
+  if (size > 0) atomic_add(sizes + to, size);
+}
+
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void segments(
     __global const ushort* restrict map, __global int* labels, __global int* sizes, int width,
     int height, int similarity) {
@@ -81,9 +86,8 @@ __kernel __attribute__((reqd_work_group_size(JOINERS, 1, 1))) void join_segments
       const int root = root_of(labels, band);
       atomic_min(labels + i, root);
       atomic_min(labels + band, root);
-      if (root == band) continue;
-      const int size = atomic_xchg(sizes + band, 0);
-      if (size > 0) atomic_add(sizes + root, size);
+      move_size(sizes, i, root);  // it may be its part's first pixel itself
+      move_size(sizes, band, root);
     }
   }
 }

@@ -43,7 +43,12 @@ Work segments_work(Variant variant, const Shape& shape) {
   work[OpClass::int_add] = pixels * 16;
   work.read_unique = work.read_issued = 2 * pixels;
   work.written_unique = work.written_issued = 8 * pixels;
-  if (variant == Variant::gpu) {
+  if (variant == Variant::cpu) {
+    // Both passes in memory; three pixels in four have neighbours above of their segment, whose root
+    // takes two reads and a write, and as many have a root's size to count up.
+    work.read_issued = 24 * pixels;
+    work.written_issued = 20 * pixels;
+  } else if (variant == Variant::gpu) {
     // Three passes; in the second the neighbours as well, and roots by atomic reads: two pairs of
     // roots of about two steps, two minima; in the third one more root, a minimum and a sum.
     work.read_issued = 2 * (5 * pixels - u64(shape["width"]) - u64(shape["height"]));
@@ -51,7 +56,6 @@ Work segments_work(Variant variant, const Shape& shape) {
     work[OpClass::int_special] = pixels;
   } else if (variant == Variant::fpga) {
     const auto bands = static_cast<std::uint32_t>(ceil_div(shape["height"], kBand));
-    work.add_loop(pixels, 1, bands * 10);
     // A pixel's root is found in two dependent reads on the chip, typically; then two writes that
     // the next pixel has to see: 6 clocks. Then a read, a dependent one and a sum: 2.
     work.add_loop(pixels, 6, rows_of(shape) * 10);
@@ -75,8 +79,8 @@ KernelSpec make_segments() {
     return single_items(variant == Variant::cpu ? bands : 1);
   };
   spec.work = segments_work;
-  spec.design.buffers[0] = {u64(kBand * kFpgaWidth), 16, 1, 2};
-  spec.design.buffers[1] = {u64(kBand * kFpgaWidth), 32, 2, 2};
+  spec.design.buffers[0] = {u64(kFpgaWidth), 16, 1, 2};
+  spec.design.buffers[1] = {u64(kBand * kFpgaWidth), 16, 2, 2};
   spec.design.buffer_count = 2;
   spec.design.operators[static_cast<std::size_t>(OpClass::int_add)] = 24;
   spec.design.operand_bits = 32;
