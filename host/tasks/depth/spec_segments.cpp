@@ -46,7 +46,7 @@ Work segments_work(Variant variant, const Shape& shape) {
   if (variant == Variant::cpu) {
     // Both passes in memory; three pixels in four have neighbours above of their segment, whose root
     // takes two reads and a write, and as many have a root's size to count up.
-    work.read_issued = 24 * pixels;
+    work.read_issued = 20 * pixels;
     work.written_issued = 20 * pixels;
   } else if (variant == Variant::gpu) {
     // Three passes; in the second the neighbours as well, and roots by atomic reads: two pairs of
@@ -117,7 +117,7 @@ Work join_work(Variant variant, const Shape& shape) {
   }
   // Two roots of one or two steps, then of each of two pixels the label, the first pixel's and the
   // root's, twice: both labels are written.
-  work.read_issued += pixels * 36;
+  work.read_issued += pixels * 43;
   work.written_issued = pixels * 18;
   if (variant == Variant::fpga) {
     // Chains of two to three dependent reads from the memory, 60 clocks each.

@@ -127,12 +127,13 @@ struct Filter {
   std::uint64_t operations;  ///< of a pixel
   std::uint64_t multiplications;
   std::uint64_t divisions;
+  std::uint64_t loads;  ///< of the CPU variant
   void (*golden)(Size, bool, std::span<const std::uint16_t>, std::span<std::uint16_t>);
 };
 
 /// Nine differences, magnitudes, weights and sums; 13 exchanges of two.
-constexpr Filter kMean{"adaptive_mean", 4, 9 * 6 + 8, 9 + 1, 1, golden_adaptive_mean};
-constexpr Filter kMedian{"median", 3, 13 * 2 + 2, 0, 0, golden_median};
+constexpr Filter kMean{"adaptive_mean", 4, 9 * 6 + 8, 9 + 1, 1, 10, golden_adaptive_mean};
+constexpr Filter kMedian{"median", 3, 13 * 2 + 2, 0, 0, 7, golden_median};
 
 Work filter_work(const Filter& filter, Variant variant, const Shape& shape) {
   const std::uint64_t pixels = pixels_of(shape);
@@ -148,11 +149,11 @@ Work filter_work(const Filter& filter, Variant variant, const Shape& shape) {
   work[OpClass::int_special] = filtered * filter.divisions;
   work.read_unique = work.written_unique = work.written_issued = 2 * pixels;
   work.read_issued = 2 * (filtered * taps + pixels - filtered);
-  if (variant == Variant::cpu) {  // the last 16 of a row overlap; the middle is read once more
+  if (variant == Variant::cpu) {  // the last 16 of a row overlap
     const std::uint64_t across = u64(vertical ? shape["width"] : inner);
     const std::uint64_t done = across < 16 ? across : (across + 15) / 16 * 16;
     const std::uint64_t rows = vertical ? u64(inner) : u64(shape["height"]);
-    work.read_issued = 2 * (rows * done * (taps + 1) + pixels - filtered);
+    work.read_issued = 2 * (rows * done * filter.loads + pixels - filtered);
     work.written_issued = 2 * (rows * done + pixels - filtered);
   } else if (variant == Variant::fpga) {
     // A row comes in, a row leaves; a division of 20 stages and an adder tree.
