@@ -28,7 +28,7 @@ typedef struct {
   int texture;
 } Task;
 
-static inline ulong8 four(__global const uchar* descriptors, int at) {
+ALWAYS_INLINE ulong8 four(__global const uchar* descriptors, int at) {
   return vload8(0, (__global const ulong*)(descriptors + (size_t)at * 16));
 }
 
@@ -83,7 +83,7 @@ static inline ushort decide_pixel(const Task t, int row, int x, uint key) {
 // ---- Block by block: unit k begins at place `at[k]` of the picture, in a row that begins at `row[k]` ----
 
 // Best of the list, of pixel p of unit k at place 4 k + p. All disparities stay inside.
-static inline uint16 listed_block(const Task t, int4 at) {
+ALWAYS_INLINE uint16 listed_block(const Task t, int4 at) {
   const ulong8 a = four(t.own, at.s0);
   const ulong8 b = four(t.own, at.s1);
   const ulong8 c = four(t.own, at.s2);
@@ -101,26 +101,26 @@ static inline uint16 listed_block(const Task t, int4 at) {
   return transposed(best);
 }
 
-static inline uint16 contrast_block(const Task t, int4 at) {
+ALWAYS_INLINE uint16 contrast_block(const Task t, int4 at) {
   const ulong8 grey = (ulong8)(0x8080808080808080ul);
   return transposed(totals(sad4(four(t.own, at.s0), grey), sad4(four(t.own, at.s1), grey),
                            sad4(four(t.own, at.s2), grey), sad4(four(t.own, at.s3), grey)));
 }
 
-static inline ulong8 four_times(__global const uchar* descriptors, int at) {
+ALWAYS_INLINE ulong8 four_times(__global const uchar* descriptors, int at) {
   const ulong2 d = vload2((size_t)at, (__global const ulong*)descriptors);
   return d.s01010101;
 }
 
 // Lane c of the result is row c of the first, second, third, last where p is 0, 1, 2, 3.
-static inline uint16 mixed(uint16 a, uint16 b, uint16 c, uint16 d) {
+ALWAYS_INLINE uint16 mixed(uint16 a, uint16 b, uint16 c, uint16 d) {
   const uint16 ab = select(a, b, (uint16)(0, ~0u, 0, 0, 0, ~0u, 0, 0, 0, ~0u, 0, 0, 0, ~0u, 0, 0));
   const uint16 cd = select(c, d, (uint16)(0, 0, 0, ~0u, 0, 0, 0, ~0u, 0, 0, 0, ~0u, 0, 0, 0, ~0u));
   return select(ab, cd, (uint16)(0, 0, ~0u, ~0u, 0, 0, ~0u, ~0u, 0, 0, ~0u, ~0u, 0, 0, ~0u, ~0u));
 }
 
 // Best candidates of the planes of the four pixels from `at`, in the row that begins at `row`.
-static inline uint4 plane_unit(const Task t, int at, int row) {
+ALWAYS_INLINE uint4 plane_unit(const Task t, int at, int row) {
   const int4 mu = convert_int4(vload4(0, t.map + at));
   const int4 floor = mu >> (int4)(PLANE_BITS);
   const int groups = (t.radius + 1) / 2;
@@ -134,8 +134,9 @@ static inline uint4 plane_unit(const Task t, int at, int row) {
                       (first <= (int4)(t.width - 4 * groups));
   if (all(inside) == 0) {
     if (any(mu != (int4)(NO_PLANE)) == 0) return (uint4)(NEVER);
-    return (uint4)(plane_pixel(t, row, x), plane_pixel(t, row, x + 1), plane_pixel(t, row, x + 2),
-                   plane_pixel(t, row, x + 3));
+    uint keys[4];
+    for (int p = 0; p < 4; ++p) keys[p] = plane_pixel(t, row, x + p);
+    return vload4(0, keys);
   }
   const ulong8 a = four_times(t.own, at);
   const ulong8 b = four_times(t.own, at + 1);
@@ -156,7 +157,7 @@ static inline uint4 plane_unit(const Task t, int at, int row) {
 }
 
 // The parabola's offsets for the disparities `d` of the four pixels from `at`.
-static inline int4 refine_unit(const Task t, int at, int row, int4 d) {
+ALWAYS_INLINE int4 refine_unit(const Task t, int at, int row, int4 d) {
   const int4 from = (int4)(at - row) + (int4)(0, 1, 2, 3) - d - (int4)(1);
   const int4 sound = (d >= (int4)(1)) & (d < (int4)(t.max_disparity)) & (from >= (int4)(0)) &
                      (from < (int4)(t.width - 2));
@@ -193,7 +194,7 @@ static inline int4 refine_unit(const Task t, int at, int row, int4 d) {
   return quotient - ((quotient + (int4)(1)) * divisor <= numerator);
 }
 
-static inline void store_unit(const Task t, int at, int row, uint4 key, uint4 contrast,
+ALWAYS_INLINE void store_unit(const Task t, int at, int row, uint4 key, uint4 contrast,
                               __global ushort* out) {
   const int4 none = (key == (uint4)(NEVER)) | (contrast < (uint4)((uint)t.texture));
   const int4 d = as_int4(key & (uint4)(255u)) | none;
@@ -203,27 +204,28 @@ static inline void store_unit(const Task t, int at, int row, uint4 key, uint4 co
 }
 
 // `edge`: some disparities of the list leave the row.
-static inline void block(const Task t, int4 at, int4 row, bool edge, __global ushort* out) {
+ALWAYS_INLINE void block(const Task t, int4 at, int4 row, bool edge, __global ushort* out) {
+  int ats[4], rows[4];
+  vstore4(at, 0, ats);
+  vstore4(row, 0, rows);
   uint keys[16];
+  uint contrasts[16];
   if (edge) {
-    const int4 x = at - row;
-    for (int p = 0; p < 4; ++p) {
-      keys[p] = listed_pixel(t, row.s0, x.s0 + p);
-      keys[4 + p] = listed_pixel(t, row.s1, x.s1 + p);
-      keys[8 + p] = listed_pixel(t, row.s2, x.s2 + p);
-      keys[12 + p] = listed_pixel(t, row.s3, x.s3 + p);
+    for (int k = 0; k < 16; ++k) {
+      keys[k] = listed_pixel(t, rows[k / 4], ats[k / 4] - rows[k / 4] + k % 4);
     }
+  } else {
+    vstore16(listed_block(t, at), 0, keys);
   }
-  const uint16 best = edge ? vload16(0, keys) : listed_block(t, at);
-  const uint16 contrast = contrast_block(t, at);
-  store_unit(t, at.s0, row.s0, min(best.lo.lo, plane_unit(t, at.s0, row.s0)), contrast.lo.lo, out);
-  store_unit(t, at.s1, row.s1, min(best.lo.hi, plane_unit(t, at.s1, row.s1)), contrast.lo.hi, out);
-  store_unit(t, at.s2, row.s2, min(best.hi.lo, plane_unit(t, at.s2, row.s2)), contrast.hi.lo, out);
-  store_unit(t, at.s3, row.s3, min(best.hi.hi, plane_unit(t, at.s3, row.s3)), contrast.hi.hi, out);
+  vstore16(contrast_block(t, at), 0, contrasts);
+  for (size_t k = 0; k < 4; ++k) {
+    const uint4 key = min(vload4(k, keys), plane_unit(t, ats[k], rows[k]));
+    store_unit(t, ats[k], rows[k], key, vload4(k, contrasts), out);
+  }
 }
 
 // Columns [begin, end) of rows [top, bottom), all of one cell.
-static inline void match_cell(const Task t, int begin, int end, int top, int bottom,
+ALWAYS_INLINE void match_cell(const Task t, int begin, int end, int top, int bottom,
                               __global ushort* out) {
   const int across = (end - begin) / 4;
   const int units = across * (bottom - top);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <future>
 #include <span>
 #include <string>
 
@@ -93,7 +94,8 @@ struct Depth::Impl {
   void find_support();
   void list_support();
   void seen_disparities(View& view, bool is_right);
-  bool triangulate(View& view, bool is_right);
+  void triangulate();
+  bool send_mesh(View& view);
   FrameCounts counts() const;
   void match(View& view, const View& other, bool is_right);
   void post_process();
@@ -235,9 +237,15 @@ void Depth::Impl::seen_disparities(View& view, bool is_right) {
                     cells.height, p.max_disparity);
 }
 
-/// Makes the view's mesh and sends it up; false if there is none.
-bool Depth::Impl::triangulate(View& view, bool is_right) {
-  view.mesh = make_mesh(support, is_right);
+/// Makes both views' meshes, side by side.
+void Depth::Impl::triangulate() {
+  auto right = std::async(std::launch::async, [this] { return make_mesh(support, true); });
+  left_view.mesh = make_mesh(support, false);
+  right_view.mesh = right.get();
+}
+
+/// Sends the view's mesh up; false if there is none.
+bool Depth::Impl::send_mesh(View& view) {
   view.totals = {.triangles = view.mesh.triangles,
                  .spans = view.mesh.spans,
                  .covered = view.mesh.covered,
@@ -325,7 +333,8 @@ DisparityMap Depth::Impl::process(const sensing::GrayImage& left, const sensing:
     });
   }
   left_view.totals = right_view.totals = {};
-  const bool meshed = triangulate(left_view, false) && triangulate(right_view, true);
+  triangulate();
+  const bool meshed = send_mesh(left_view) && send_mesh(right_view);
   session->finish();
   if (!meshed) {
     map.too_few_support_points = true;
