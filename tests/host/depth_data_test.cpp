@@ -105,29 +105,50 @@ Accuracy compare(const DisparityMap& map, const sensing::FloatImage& truth) {
   return {100.0 * both / known, 100.0 * over1 / both, 100.0 * over3 / both};
 }
 
-TEST(DepthData, AccuracyIsInLibelasNeighbourhood) {
+Accuracy measure(const std::string& folder, const Scene& scene, const DepthParameters& parameters) {
+  static const runtime::Session session = [] {
+    runtime::SessionOptions options;
+    options.variant = runtime::Variant::cpu;
+    options.cache_folder = "-";
+    return runtime::Session(tests::source_device(), kernel_specs(), options);
+  }();
+  const sensing::GrayImage left = read_gray(folder + scene.left);
+  const sensing::GrayImage right = read_gray(folder + scene.right);
+  Depth depth(session, left.width, left.height, parameters);
+  return compare(depth.process(left, right, 0),
+                 read_truth(folder + scene.truth, scene.truth_scale));
+}
+
+TEST(DepthData, AsAccurateAndDenseAsLibelas) {
   const char* data = std::getenv("PARTITA_DATA");
   if (data == nullptr) GTEST_SKIP() << "PARTITA_DATA is not set: no real pictures to match";
-  runtime::SessionOptions options;
-  options.variant = runtime::Variant::cpu;
-  options.cache_folder = "-";
-  const runtime::Session session(tests::source_device(), kernel_specs(), options);
+  double more_bad1 = 0;
+  double more_bad3 = 0;
   fmt::print("{:<16}{:>9}{:>8}{:>8}   libelas: density, bad-1, bad-3\n", "scene", "density",
              "bad-1", "bad-3");
   for (const Scene& scene : kScenes) {
-    const std::string folder = std::string(data) + "/";
-    const sensing::GrayImage left = read_gray(folder + scene.left);
-    const sensing::GrayImage right = read_gray(folder + scene.right);
-    ASSERT_FALSE(left.empty()) << scene.left;
-    Depth depth(session, left.width, left.height, {});
-    const DisparityMap map = depth.process(left, right, 0);
-    const Accuracy got = compare(map, read_truth(folder + scene.truth, scene.truth_scale));
+    const Accuracy got = measure(std::string(data) + "/", scene, {});
     fmt::print("{:<16}{:>9.1f}{:>8.2f}{:>8.2f}{:>13.0f}{:>8.2f}{:>7.2f}\n", scene.name, got.density,
                got.bad1, got.bad3, scene.libelas_density, scene.libelas_bad1, scene.libelas_bad3);
-    EXPECT_GE(got.density, 75) << scene.name;
-    EXPECT_LE(got.bad3, scene.libelas_bad3 + 2.5) << scene.name;
-    EXPECT_LE(got.bad1, scene.libelas_bad1 + 6) << scene.name;
+    EXPECT_GE(got.density, scene.libelas_density) << scene.name;
+    EXPECT_LE(got.bad1, scene.libelas_bad1 + 0.2) << scene.name;
+    EXPECT_LE(got.bad3, scene.libelas_bad3 + 0.2) << scene.name;
+    more_bad1 += got.bad1 - scene.libelas_bad1;
+    more_bad3 += got.bad3 - scene.libelas_bad3;
   }
+  EXPECT_LT(more_bad1, 0) << "on average";
+  EXPECT_LT(more_bad3, 0) << "on average";
+}
+
+TEST(DepthData, MiddleburySettingFillsThePicture) {
+  const char* data = std::getenv("PARTITA_DATA");
+  if (data == nullptr) GTEST_SKIP() << "PARTITA_DATA is not set: no real pictures to match";
+  const Scene& scene = kScenes[0];
+  const Accuracy got = measure(std::string(data) + "/", scene, setting("middlebury"));
+  fmt::print("{} filled: density {:.1f}, bad-1 {:.2f}, bad-3 {:.2f}\n", scene.name, got.density,
+             got.bad1, got.bad3);
+  EXPECT_EQ(got.density, 100);
+  EXPECT_LE(got.bad3, 12);
 }
 
 }  // namespace

@@ -185,8 +185,9 @@ Depth::Impl::Impl(const Session& s, Size picture, const DepthParameters& p)
     view->counts = s.make_buffer(area(cells) * sizeof(std::uint16_t));
     view->lists = s.make_buffer(area(cells) * static_cast<std::size_t>(p.max_disparity + 1));
     // A triangulation of n points has fewer than 2 n triangles.
-    view->corners = s.make_buffer(2 * points * kCornerEntries * sizeof(std::int16_t));
-    view->planes = s.make_buffer(2 * points * kPlaneEntries * sizeof(std::int32_t));
+    const std::size_t triangles = 2 * (points + kCornerPoints);
+    view->corners = s.make_buffer(triangles * kCornerEntries * sizeof(std::int16_t));
+    view->planes = s.make_buffer(triangles * kPlaneEntries * sizeof(std::int32_t));
     view->map = s.make_buffer(pixels * sizeof(std::int16_t));
     view->disparities = s.make_buffer(pixels * sizeof(std::uint16_t));
     view->host_counts.resize(area(cells));
@@ -239,8 +240,9 @@ void Depth::Impl::seen_disparities(View& view, bool is_right) {
 
 /// Makes both views' meshes, side by side.
 void Depth::Impl::triangulate() {
-  auto right = std::async(std::launch::async, [this] { return make_mesh(support, true); });
-  left_view.mesh = make_mesh(support, false);
+  const auto points = parameters.add_corners ? add_corners(support, size) : support;
+  auto right = std::async(std::launch::async, [&] { return make_mesh(points, true); });
+  left_view.mesh = make_mesh(points, false);
   right_view.mesh = right.get();
 }
 

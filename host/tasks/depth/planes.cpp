@@ -51,6 +51,27 @@ void view_points(std::span<const SupportPoint> points, bool right, std::vector<M
 
 }  // namespace
 
+std::vector<SupportPoint> add_corners(std::span<const SupportPoint> points, Size size) {
+  std::vector<SupportPoint> all(points.begin(), points.end());
+  if (points.size() < 3) return all;
+  const auto right = static_cast<std::int16_t>(size.width - 1);
+  const auto bottom = static_cast<std::int16_t>(size.height - 1);
+  for (const MeshPoint corner : {MeshPoint{0, 0}, {0, bottom}, {right, 0}, {right, bottom}}) {
+    const auto away = [&](const SupportPoint& p) {
+      const int du = p.u - corner.x;
+      const int dv = p.v - corner.y;
+      return du * du + dv * dv;
+    };
+    const auto nearest = std::min_element(
+        points.begin(), points.end(),
+        [&](const SupportPoint& a, const SupportPoint& b) { return away(a) < away(b); });
+    all.push_back({corner.x, corner.y, nearest->d, 0});
+    if (corner.x == 0) continue;
+    all.push_back({static_cast<std::int16_t>(right + nearest->d), corner.y, nearest->d, 0});
+  }
+  return all;
+}
+
 Mesh make_mesh(std::span<const SupportPoint> points, bool right) {
   std::vector<MeshPoint> where;
   std::vector<std::int16_t> disparity;

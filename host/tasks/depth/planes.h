@@ -38,6 +38,13 @@ struct SupportPoint {
 };
 static_assert(sizeof(SupportPoint) == 8);
 
+/// How many points add_corners() adds at most.
+inline constexpr int kCornerPoints = 6;
+/// The points with others at the left picture's corners and at the right picture's on the right
+/// side, each with the disparity of the nearest point, so that the meshes cover both pictures.
+/// Fewer than three points stay as they are: they say too little.
+std::vector<SupportPoint> add_corners(std::span<const SupportPoint> points, Size size);
+
 /// Triangulates the points of one view (in the right one a point sits at u - d) and computes the
 /// planes. Of two points on the same pixel the first is kept. Empty if fewer than three points, or
 /// all on one line.

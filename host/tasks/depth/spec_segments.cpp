@@ -44,8 +44,8 @@ Work segments_work(Variant variant, const Shape& shape) {
   work.read_unique = work.read_issued = 2 * pixels;
   work.written_unique = work.written_issued = 8 * pixels;
   if (variant == Variant::cpu) {
-    // Both passes in memory; three pixels in four have neighbours above of their segment, whose root
-    // takes two reads and a write, and as many have a root's size to count up.
+    // Both passes in memory; three pixels in four have neighbours above of their segment, whose
+    // root takes two reads and a write, and as many have a root's size to count up.
     work.read_issued = 20 * pixels;
     work.written_issued = 20 * pixels;
   } else if (variant == Variant::gpu) {
