@@ -4,7 +4,7 @@
 #include "depth/segments.clh"
 
 // First every pixel gets the root of its run, and roots of runs above each other are united under the
-// least; then, as roots come before what they hold, one pass in order replaces every label by its
+// least, once where they meet; then, as roots come before what they hold, one pass in order replaces every label by its
 // root's.
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void segments(
     __global const ushort* restrict map, __global int* restrict labels, __global int* restrict sizes,
@@ -14,12 +14,18 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void segments(
   for (int y = top; y < bottom; ++y) {
     int root = -1;
     int left = 0;
+    int over_left = 0;  // above it, if it is alike
     for (int i = y * width; i < (y + 1) * width; ++i) {
       const int d = map[i];
-      if (!alike(d, left, similarity)) root = d != 0 ? i : -1;
+      const bool goes_on = alike(d, left, similarity);
+      if (!goes_on) root = d != 0 ? i : -1;
       left = d;
       labels[i] = root;
-      if (y == top || !alike(d, map[i - width], similarity)) continue;
+      const int over = y > top ? map[i - width] : 0;
+      const bool joined = alike(d, over, similarity);
+      const bool known = goes_on && alike(over, over_left, similarity);
+      over_left = joined ? over : 0;
+      if (!joined || known) continue;
       const int above = root_of(labels, labels[i - width]);
       const int least = min(above, root);
       labels[above] = least;

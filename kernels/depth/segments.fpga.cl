@@ -12,22 +12,27 @@ static inline int band_root(__private const ushort* labels, int i) {
 }
 
 // First every pixel gets the root of its run, and roots of runs above each other are united under the
-// least.
+// least, once where they meet: that is when the pipeline waits.
 static inline void label_row(__private ushort* above, __private ushort* labels,
                              __global const ushort* row, int first, int width, bool top,
                              int similarity) {
   int root = NOWHERE;
   int left = 0;
-  PIPELINE(6)
+  int over_left = 0;  // above it, if it is alike
+  PIPELINE(1)
   for (int x = 0; x < width; ++x) {
     const int i = first + x;
     const ushort d = row[x];
     const ushort over = top ? (ushort)0 : above[x];
     above[x] = d;
-    if (!alike(d, left, similarity)) root = d != 0 ? i : NOWHERE;
+    const bool goes_on = alike(d, left, similarity);
+    if (!goes_on) root = d != 0 ? i : NOWHERE;
     left = d;
     labels[i] = (ushort)root;
-    if (!alike(d, over, similarity)) continue;
+    const bool joined = alike(d, over, similarity);
+    const bool known = goes_on && alike(over, over_left, similarity);
+    over_left = joined ? over : 0;
+    if (!joined || known) continue;
     const int other = band_root(labels, labels[i - width]);
     const int least = min(other, root);
     labels[other] = (ushort)least;

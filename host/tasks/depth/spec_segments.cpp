@@ -44,10 +44,10 @@ Work segments_work(Variant variant, const Shape& shape) {
   work.read_unique = work.read_issued = 2 * pixels;
   work.written_unique = work.written_issued = 8 * pixels;
   if (variant == Variant::cpu) {
-    // Both passes in memory; three pixels in four have neighbours above of their segment, whose
-    // root takes two reads and a write, and as many have a root's size to count up.
-    work.read_issued = 20 * pixels;
-    work.written_issued = 20 * pixels;
+    // Both passes in memory, the row above as well; roots where runs meet; then labels, their
+    // labels and a size to count up.
+    work.read_issued = 15 * pixels;
+    work.written_issued = 16 * pixels;
   } else if (variant == Variant::gpu) {
     // Three passes; in the second the neighbours as well, and roots by atomic reads: two pairs of
     // roots of about two steps, two minima; in the third one more root, a minimum and a sum.
@@ -56,9 +56,10 @@ Work segments_work(Variant variant, const Shape& shape) {
     work[OpClass::int_special] = pixels;
   } else if (variant == Variant::fpga) {
     const auto bands = static_cast<std::uint32_t>(ceil_div(shape["height"], kBand));
-    // A pixel's root is found in two dependent reads on the chip, typically; then two writes that
-    // the next pixel has to see: 6 clocks. Then a read, a dependent one and a sum: 2.
-    work.add_loop(pixels, 6, rows_of(shape) * 10);
+    // Runs meet at one pixel in eight: a root is found in two dependent reads on the chip, then two
+    // writes that the next pixel has to see. Afterwards a read, a dependent one and a sum: 2.
+    work.add_loop(pixels, 1, rows_of(shape) * 10);
+    work.add_loop(pixels / 8, 6, 10);
     work.add_loop(pixels, 2, bands * 10);
     work.add_loop(pixels, 1, bands * 10);
   }
@@ -115,14 +116,15 @@ Work join_work(Variant variant, const Shape& shape) {
     work[OpClass::atomic] = pixels * 13;
     return work;
   }
-  // Two roots of one or two steps, then of each of two pixels the label, the first pixel's and the
-  // root's, twice: both labels are written.
-  work.read_issued += pixels * 43;
-  work.written_issued = pixels * 18;
+  // Both rows twice, a label for each pixel; where runs begin (one pixel in eight) roots of one or
+  // two steps and their sizes.
+  work.read_issued = pixels * 19;
+  work.written_issued = pixels * 9;
   if (variant == Variant::fpga) {
-    // Chains of two to three dependent reads from the memory, 60 clocks each.
-    work.add_loop(pixels, 120, 200);
-    work.add_loop(2 * pixels, 180, 200);
+    // There chains of two to three dependent reads from the memory, 60 clocks each.
+    work.add_loop(3 * pixels, 1, static_cast<std::uint32_t>(borders * 3 * 10));
+    work.add_loop(pixels / 8, 120, 200);
+    work.add_loop(pixels / 4, 180, 200);
   }
   return work;
 }
