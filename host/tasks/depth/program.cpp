@@ -123,7 +123,7 @@ FrameCounts typical_counts(int width, int height, const DepthParameters& paramet
     view.covered = pixels * 90 / 100;
     view.spans = view.triangles * 15;
     view.overlaps = view.triangles * 19 / 10;
-    view.entries = pixels * 12;
+    view.entries = pixels * 11;
   }
   return counts;
 }

@@ -77,13 +77,13 @@ inline runtime::Shape dense_match_shape(Size size, const DepthParameters& p, con
       .with("planes", view.covered);
 }
 
-/// How much there is to fill is not known before: one pixel in fifty, which is typical.
+/// How much there is to fill is not known before: one pixel in 25, which is typical.
 inline runtime::Shape fill_gaps_shape(Size size, const DepthParameters& p, int vertical) {
   return picture_shape(size)
       .with("vertical", vertical)
       .with("gap", p.ipol_gap_width)
       .with("extend", p.add_corners)
-      .with("filled", static_cast<std::int64_t>(area(size)) / 50);
+      .with("filled", static_cast<std::int64_t>(area(size)) / 25);
 }
 
 inline runtime::Shape filter_shape(Size size, int vertical) {
