@@ -1,7 +1,9 @@
 #include "host/io/image.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <mutex>
 #include <vector>
 
@@ -12,6 +14,7 @@
 
 #include "host/io/file.h"
 #include "host/io/image_check.h"
+#include "host/io/pfm.h"
 #include "host/runtime/error.h"
 
 namespace partita::io {
@@ -76,6 +79,27 @@ void to_gray(const cv::Mat& image, int shift, GrayImage& out) {
   }
 }
 
+template <class Sample>
+void to_levels(const std::string& path, const cv::Mat& image, sensing::Image<std::uint16_t>& out) {
+  const int channels = image.channels();
+  for (int y = 0; y < image.rows; ++y) {
+    const Sample* in = image.ptr<Sample>(y);
+    for (int x = 0; x < image.cols; ++x, in += channels) {
+      if (channels >= 3 && (in[0] != in[1] || in[1] != in[2])) {
+        throw Error(fmt::format("{}: has colours, expected a picture of one channel", path));
+      }
+      out.at(x, y) = in[0];
+    }
+  }
+}
+
+/// The name's ending in small letters: ".png".
+std::string ending(const std::string& path) {
+  std::string text = std::filesystem::path(path).extension().string();
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
 /// A copy of the picture with a strip below: the colour scale with its ends and middle labelled.
 cv::Mat with_colour_bar(const cv::Mat& picture, double max_disparity) {
   constexpr int kStrip = 44;
@@ -114,6 +138,19 @@ GrayRead read_gray(const std::string& path) {
   return result;
 }
 
+LevelsRead read_levels(const std::string& path) {
+  const cv::Mat image = decode(path);
+  LevelsRead result;
+  result.levels = sensing::Image<std::uint16_t>(image.cols, image.rows);
+  if (image.depth() == CV_16U) {
+    result.bits = 16;
+    to_levels<std::uint16_t>(path, image, result.levels);
+  } else {
+    to_levels<std::uint8_t>(path, image, result.levels);
+  }
+  return result;
+}
+
 void write_gray(const std::string& path, const GrayImage& image) {
   encode_png(path, cv::Mat(image.height, image.width, CV_8U,
                            const_cast<std::uint8_t*>(image.pixels.data())));
@@ -143,6 +180,21 @@ FloatImage read_disparity(const std::string& path) {
     for (int x = 0; x < image.cols; ++x) result.at(x, y) = static_cast<float>(row[x]) / 256.0F;
   }
   return result;
+}
+
+bool is_disparity_name(const std::string& path) {
+  return ending(path) == ".png" || ending(path) == ".pfm";
+}
+
+void write_disparity_as(const std::string& path, const FloatImage& disparity) {
+  if (!is_disparity_name(path)) {
+    throw Error(fmt::format("cannot write '{}': expected a name that ends in .png or .pfm", path));
+  }
+  if (ending(path) == ".pfm") {
+    write_pfm(path, disparity);
+  } else {
+    write_disparity(path, disparity);
+  }
 }
 
 void write_disparity_picture(const std::string& path, const FloatImage& disparity,

@@ -19,6 +19,16 @@ struct GrayRead {
 /// Throws Error that names the file for anything missing, damaged, truncated or of another format.
 GrayRead read_gray(const std::string& path);
 
+struct LevelsRead {
+  sensing::Image<std::uint16_t> levels;
+  int bits = 8;  ///< of the file: 8 or 16
+};
+
+/// Reads a picture whose levels are no brightness but numbers, and so are not to be converted: one
+/// channel, or, as palettes decode, three that are equal in every pixel. Throws Error as read_gray
+/// does, and for a picture with colours.
+LevelsRead read_levels(const std::string& path);
+
 /// Writes a PNG.
 void write_gray(const std::string& path, const sensing::GrayImage& image);
 
@@ -26,6 +36,11 @@ void write_gray(const std::string& path, const sensing::GrayImage& image);
 /// none. What is not positive or not finite is written as none; at most 255.996 can be held.
 void write_disparity(const std::string& path, const sensing::FloatImage& disparity);
 sensing::FloatImage read_disparity(const std::string& path);
+
+/// Writes a disparity map in the format that the name's ending asks for: .png as above, .pfm as in
+/// pfm.h. is_disparity_name() says whether it is one of the two, in letters of either case.
+void write_disparity_as(const std::string& path, const sensing::FloatImage& disparity);
+bool is_disparity_name(const std::string& path);
 
 /// The same for people: a colour PNG with dark blue for 0 to dark red for `max_disparity`, black
 /// where there is none, and a labelled colour bar below.

@@ -37,8 +37,10 @@ Projection find(const io::TextFile& file, int camera, int left) {
     const io::TextRow& row = file.rows()[index];
     return {&row, file.numbers(row, 0, 12, kTwelve)};
   }
+  const std::string raw_name = fmt::format("P_rect_{:02}:", camera);
   for (const io::TextRow& row : file.rows()) {
-    if (row.words[0] == name) return {&row, file.numbers(row, 1, 12, kTwelve)};
+    if (row.words[0] != name && row.words[0] != raw_name) continue;
+    return {&row, file.numbers(row, 1, 12, kTwelve)};
   }
   throw Error(fmt::format("{}: no line '{}', expected the projection matrices of cameras {} and {}",
                           file.path(), name, left, left + 1));

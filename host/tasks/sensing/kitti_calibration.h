@@ -8,8 +8,9 @@
 
 namespace partita::sensing {
 
-/// Reads the projection matrices of cameras `left` and left + 1: lines "P0: ..." with twelve
-/// numbers each, or, without any names, the file's first two lines. Other named lines are skipped.
+/// Reads the projection matrices of cameras `left` and left + 1: lines "P0: ..." (or, as in the raw
+/// recordings, "P_rect_00: ...") with twelve numbers each, or, without any names, the file's first
+/// two lines. Other named lines are skipped.
 /// Width and height are not in the file and stay 0. Throws Error with file and line for what does
 /// not parse, and for two cameras that are no rectified pair (same intrinsics, right one at +x).
 StereoCalibration read_kitti_calibration(const std::string& path, int left);
