@@ -1,5 +1,6 @@
-// partita bench: what our own software costs.
+// partita bench: what our own software costs, by itself and beside others.
 #include <algorithm>
+#include <fstream>
 #include <sstream>
 #include <thread>
 
@@ -170,14 +171,26 @@ void add_start(CLI::App& bench, Context& context) {
 
 }  // namespace
 
+std::string processor() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    if (!line.starts_with("model name")) continue;
+    const std::size_t value = line.find_first_not_of(" \t", line.find(':') + 1);
+    return value == std::string::npos ? "" : line.substr(value);
+  }
+  return "";
+}
+
 void add_bench(CLI::App& app, Context& context) {
-  CLI::App* command = add_subcommand(app, context, "bench", "Measure what Partita itself costs",
-                                     "partita bench overhead\npartita bench start --json\n"
-                                     "partita bench simulate --machine all");
+  CLI::App* command =
+      add_subcommand(app, context, "bench", "Measure what Partita costs, and others beside it",
+                     "partita bench overhead\npartita bench start --json\n"
+                     "partita bench simulate --machine all\npartita bench peers");
   command->require_subcommand(1);
   add_overhead(*command, context);
   add_start(*command, context);
   add_bench_simulate(*command, context);
+  add_bench_peers(*command, context);
 }
 
 }  // namespace partita::app

@@ -1,6 +1,5 @@
 // partita bench simulate: how many placements of the pipeline one core of this computer simulates.
 #include <algorithm>
-#include <fstream>
 #include <thread>
 
 #include <fmt/format.h>
@@ -27,17 +26,6 @@ struct SimulateOptions {
   std::size_t frames = 100;
   int rounds = 5;
 };
-
-/// "AMD EPYC 7763 64-Core Processor"; empty where the system does not say.
-std::string processor() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);) {
-    if (!line.starts_with("model name")) continue;
-    const std::size_t value = line.find_first_not_of(" \t", line.find(':') + 1);
-    return value == std::string::npos ? "" : line.substr(value);
-  }
-  return "";
-}
 
 /// 30 frames whose counts scatter by a fifth around the typical ones, the same in every run.
 RunCounts scattered_counts(const partition::Pipeline& pipeline) {

@@ -48,7 +48,7 @@ CLI::Validator seed_range() {
   return {check, "0 - 2^64-1"};
 }
 
-CLI::Validator rate_range(double least, double most) {
+CLI::Validator number_range(double least, double most) {
   const CLI::Validator range = CLI::Range(least, most);
   const auto check = [range](const std::string& text) -> std::string {
     double rate = 0;

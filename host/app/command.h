@@ -30,14 +30,15 @@ void add_container_option(CLI::App* command, std::string& container);
 
 /// For --seed: 0 to 2^64-1. A conversion alone would wrap what is outside.
 CLI::Validator seed_range();
-/// For --rate: as CLI::Range, which lets "nan" pass.
-CLI::Validator rate_range(double least, double most);
+/// For real numbers: as CLI::Range, which lets "nan" pass.
+CLI::Validator number_range(double least, double most);
 
 void add_run(CLI::App& app, Context& context);
 void add_explore(CLI::App& app, Context& context);
 void add_diff(CLI::App& app, Context& context);
 void add_devices(CLI::App& app, Context& context);
 void add_emulate(CLI::App& app, Context& context);
+void add_depth(CLI::App& app, Context& context);
 void add_verify(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
 void add_package(CLI::App& app, Context& context);

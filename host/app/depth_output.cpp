@@ -1,7 +1,5 @@
 #include "host/app/depth_output.h"
 
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include "host/io/image.h"
@@ -51,11 +49,6 @@ DepthAccuracy DepthOutput::finish() {
   if (error_) std::rethrow_exception(error_);
   if (accuracy_.frames > 0)
     accuracy_.density = density_sum_ / static_cast<double>(accuracy_.frames);
-  if (accuracy_.compared > 0) {
-    const auto compared = static_cast<double>(accuracy_.compared);
-    accuracy_.bad3_percent = 100.0 * static_cast<double>(bad_) / compared;
-    accuracy_.mean_error_px = error_sum_ / compared;
-  }
   return accuracy_;
 }
 
@@ -71,9 +64,9 @@ void DepthOutput::work() {
     }
     changed_.notify_all();
     try {
-      io::write_disparity(fmt::format("{}/{:06}.png", folder_, item.frame->index),
-                          to_pixels(item.map));
-      account(item);
+      const sensing::FloatImage disparity = to_pixels(item.map);
+      io::write_disparity(fmt::format("{}/{:06}.png", folder_, item.frame->index), disparity);
+      account(item, disparity);
     } catch (...) {
       const std::lock_guard lock(mutex_);
       error_ = std::current_exception();
@@ -84,19 +77,12 @@ void DepthOutput::work() {
   }
 }
 
-void DepthOutput::account(const Item& item) {
+void DepthOutput::account(const Item& item, const sensing::FloatImage& disparity) {
   ++accuracy_.frames;
   density_sum_ += item.map.density();
   accuracy_.frames_without_support += item.map.too_few_support_points ? 1 : 0;
   if (const auto& truth = item.frame->disparity) {
-    for (std::size_t i = 0; i < item.map.values.size(); ++i) {
-      if (item.map.values[i] == 0 || truth->pixels[i] <= 0) continue;
-      const double error =
-          std::abs(item.map.values[i] / 256.0 - static_cast<double>(truth->pixels[i]));
-      ++accuracy_.compared;
-      error_sum_ += error;
-      bad_ += error > 3 ? 1 : 0;
-    }
+    accuracy_.evaluation += depth::evaluate(disparity, *truth);
   }
   if (first_map_) return;
   first_map_ = item.map;

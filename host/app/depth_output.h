@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "host/tasks/depth/depth.h"
+#include "host/tasks/depth/evaluation.h"
 #include "host/tasks/sensing/frame.h"
 
 namespace partita::app {
@@ -23,10 +24,7 @@ struct DepthAccuracy {
   std::size_t frames = 0;
   double density = 0;  ///< mean share of pixels with a disparity, 0..1
   std::size_t frames_without_support = 0;
-  // Where truth is known: pixels with both truth and a disparity.
-  std::uint64_t compared = 0;
-  double bad3_percent = 0;   ///< more than 3 px off
-  double mean_error_px = 0;  ///< mean absolute error
+  depth::Evaluation evaluation;  ///< where truth is known
 };
 
 class DepthOutput {
@@ -52,7 +50,7 @@ class DepthOutput {
     depth::DisparityMap map;
   };
   void work();
-  void account(const Item& item);
+  void account(const Item& item, const sensing::FloatImage& disparity);
 
   std::string folder_;
   std::mutex mutex_;
@@ -61,8 +59,7 @@ class DepthOutput {
   bool closed_ = false;
   std::exception_ptr error_;
   DepthAccuracy accuracy_;
-  double density_sum_ = 0, error_sum_ = 0;
-  std::uint64_t bad_ = 0;
+  double density_sum_ = 0;
   std::optional<depth::DisparityMap> first_map_;
   std::shared_ptr<const sensing::Frame> first_frame_;
   std::thread thread_;

@@ -125,6 +125,7 @@ void add_run_figures(Figures& figures) {
   figures.add("measured", "start-up", "s", "/measured/start_up_s");
   figures.add("accuracy", "end error", "%", "/accuracy/trajectory/end_error_percent");
   figures.add("accuracy", "ATE", "m", "/accuracy/trajectory/ate_rmse_m");
+  figures.add("accuracy", "depth more than 1 px off", "%", "/accuracy/depth/bad1_percent");
   figures.add("accuracy", "depth more than 3 px off", "%", "/accuracy/depth/bad3_percent");
   figures.add("accuracy", "depth density", "", "/accuracy/depth/density");
 }

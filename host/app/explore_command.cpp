@@ -233,15 +233,15 @@ void add_work(CLI::App* command, ExploreOptions& options) {
 
 void add_vehicle(CLI::App* command, partition::Vehicle& vehicle) {
   command->add_option("--speed", vehicle.speed_mps, "Of the vehicle, m/s")
-      ->check(rate_range(0.01, 1000))
+      ->check(number_range(0.01, 1000))
       ->capture_default_str();
   command->add_option("--battery", vehicle.battery_wh, "Of the vehicle, Wh")
-      ->check(rate_range(0.01, 1e9))
+      ->check(number_range(0.01, 1e9))
       ->capture_default_str();
   command
       ->add_option("--base-power", vehicle.base_power_w,
                    "Of all of the vehicle but its computer, W, mean while driving")
-      ->check(rate_range(0.01, 1e9))
+      ->check(number_range(0.01, 1e9))
       ->capture_default_str();
 }
 

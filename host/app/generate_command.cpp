@@ -75,7 +75,7 @@ void add_generate(CLI::App& app, Context& context) {
       ->check(CLI::Range(64, 8192))
       ->capture_default_str();
   command->add_option("--rate", scenario.rate_hz, "Frames per second")
-      ->check(rate_range(0.1, 1000.0))
+      ->check(number_range(0.1, 1000.0))
       ->capture_default_str();
   command->callback([options, &context] {
     context.action = [options, &context] { return generate(*options, context.console); };

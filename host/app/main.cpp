@@ -51,6 +51,7 @@ int parse_and_run(int argc, char** argv, Context& context) {
   add_diff(app, context);
   add_devices(app, context);
   add_emulate(app, context);
+  add_depth(app, context);
   add_verify(app, context);
   add_bench(app, context);
   add_package(app, context);

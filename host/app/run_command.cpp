@@ -323,7 +323,7 @@ void add_input_options(CLI::App* command, RunOptions& options, bool& scenario) {
       ->excludes(dataset)
       ->capture_default_str();
   command->add_option("--rate", options.rate_hz, "Frames per second (default: as recorded)")
-      ->check(rate_range(0.1, 10000.0));
+      ->check(number_range(0.1, 10000.0));
 }
 
 }  // namespace

@@ -173,10 +173,12 @@ Json accuracy_json(const RunReport& report) {
   }
   const DepthAccuracy& depth = report.accuracy.depth;
   Json item{{"density", depth.density}, {"frames_without_support", depth.frames_without_support}};
-  if (depth.compared > 0) {
-    item["bad3_percent"] = depth.bad3_percent;
-    item["mean_error_px"] = depth.mean_error_px;
-    item["pixels_compared"] = depth.compared;
+  if (const depth::Evaluation& e = depth.evaluation; e.compared > 0) {
+    item["density_where_truth"] = e.density();
+    item["bad1_percent"] = e.bad1_percent();
+    item["bad3_percent"] = e.bad3_percent();
+    item["mean_error_px"] = e.mean_error_px();
+    item["pixels_compared"] = e.compared;
   }
   json["depth"] = std::move(item);
   json["tracked_frames"] = report.run.tracked_frames();
@@ -238,9 +240,9 @@ std::string accuracy_text(const Accuracy& accuracy) {
                         accuracy.trajectory->distance, accuracy.trajectory->ate_rmse);
   }
   text += fmt::format("accuracy of depth   density {:.1f} %", accuracy.depth.density * 100);
-  if (accuracy.depth.compared > 0) {
-    text += fmt::format(", {:.2f} % more than 3 px off, mean error {:.2f} px",
-                        accuracy.depth.bad3_percent, accuracy.depth.mean_error_px);
+  if (const depth::Evaluation& e = accuracy.depth.evaluation; e.compared > 0) {
+    text += fmt::format(", bad-1 {:.2f} %, bad-3 {:.2f} %, mean error {:.2f} px", e.bad1_percent(),
+                        e.bad3_percent(), e.mean_error_px());
   }
   return text + "\n";
 }

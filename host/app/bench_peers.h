@@ -1,0 +1,51 @@
+// What is common to the comparisons of `partita bench peers`: a task of ours beside a library that
+// does the same, on the same inputs and cores, in turns. Each comparison has a file of its own,
+// bench_peers_*.cpp, and one line in bench_peers.cpp.
+#ifndef PARTITA_HOST_APP_BENCH_PEERS_H
+#define PARTITA_HOST_APP_BENCH_PEERS_H
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/app/console.h"
+
+namespace partita::app {
+
+struct PeerOptions {
+  int rounds = 15;
+  unsigned cores = 1;       ///< that either side may use
+  std::string left, right;  ///< a stereo pair to use; empty: the built-in scenario's first
+};
+
+/// One who does the task, ours or a peer.
+struct Contestant {
+  std::string name;        ///< "cv::StereoSGBM"
+  std::string parameters;  ///< on one line
+  std::vector<double> ms;  ///< wall time of each round
+  Json quality = {};       ///< of what came out, where the truth is known
+};
+
+/// Ours against each of the others.
+struct PeerComparison {
+  std::string task;   ///< "depth"
+  std::string input;  ///< "1280x720, scenario, seed 1"
+  std::string timed;  ///< what is in the time: "pictures to map, both in host memory"
+  Contestant ours;
+  std::vector<Contestant> peers;
+};
+
+/// Called after each round.
+using RoundDone = std::function<void()>;
+
+/// Runs all of them once to warm up, then `rounds` times in turns, so that a change of the
+/// machine's load meets every one; for each, the milliseconds of its rounds.
+std::vector<std::vector<double>> time_in_turns(std::span<const std::function<void()>> contestants,
+                                               int rounds, const RoundDone& done);
+
+PeerComparison compare_depth(const PeerOptions& options, const RoundDone& done);
+
+}  // namespace partita::app
+
+#endif  // PARTITA_HOST_APP_BENCH_PEERS_H

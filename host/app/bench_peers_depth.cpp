@@ -1,0 +1,122 @@
+// Depth beside OpenCV's semi-global matching (Hirschmüller, "Stereo Processing by Semiglobal
+// Matching and Mutual Information", PAMI 2008), the stereo matcher that most people use.
+#include <memory>
+
+#include <fmt/format.h>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core/version.hpp>
+
+#include "host/app/bench_peers.h"
+#include "host/app/depth_output.h"
+#include "host/app/environment.h"
+#include "host/app/stereo_pair.h"
+#include "host/runtime/session.h"
+#include "host/tasks/depth/evaluation.h"
+#include "host/tasks/depth/kernels.h"
+
+namespace partita::app {
+namespace {
+
+constexpr int kDisparities = 128;
+constexpr int kBlock = 5;
+
+struct Input {
+  std::string name;
+  StereoPair pair;
+  std::optional<sensing::FloatImage> truth;
+};
+
+Input input_of(const PeerOptions& options) {
+  Input input;
+  if (!options.left.empty()) {
+    input.pair = read_pair(options.left, options.right);
+    input.name = fmt::format("{} and {}", options.left, options.right);
+  } else {
+    const auto scenario = sensing::open_scenario({});
+    sensing::Frame frame = scenario->frame(0);
+    input.name = "first frame of " + scenario->name();
+    input.pair.left = std::move(frame.left);
+    input.pair.right = std::move(frame.right);
+    input.truth = std::move(frame.disparity);
+  }
+  input.name += fmt::format(", {}x{}", input.pair.left.width, input.pair.left.height);
+  return input;
+}
+
+cv::Mat as_mat(const sensing::GrayImage& image) {
+  return {image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data())};
+}
+
+/// SGBM's disparities are in sixteenths, and negative where there is none.
+sensing::FloatImage to_pixels(const cv::Mat& sixteenths) {
+  sensing::FloatImage image(sixteenths.cols, sixteenths.rows);
+  for (int y = 0; y < image.height; ++y) {
+    const auto* row = sixteenths.ptr<std::int16_t>(y);
+    for (int x = 0; x < image.width; ++x) {
+      image.at(x, y) = row[x] < 0 ? 0.0F : std::max(static_cast<float>(row[x]) / 16, 1.0F / 256);
+    }
+  }
+  return image;
+}
+
+/// OpenCV's matcher with the penalties that its documentation proposes.
+struct Sgbm {
+  explicit Sgbm(int mode)
+      : matcher(cv::StereoSGBM::create(0, kDisparities, kBlock, 8 * kBlock * kBlock,
+                                       32 * kBlock * kBlock, 1, 63, 10, 100, 32, mode)) {}
+  cv::Ptr<cv::StereoSGBM> matcher;
+  cv::Mat map;
+};
+
+Json quality_of(const sensing::FloatImage& map, const std::optional<sensing::FloatImage>& truth) {
+  if (!truth) return {};
+  const depth::Evaluation e = depth::evaluate(map, *truth);
+  return {{"density %", 100 * e.density()},
+          {"bad-1 %", e.bad1_percent()},
+          {"bad-3 %", e.bad3_percent()}};
+}
+
+}  // namespace
+
+PeerComparison compare_depth(const PeerOptions& options, const RoundDone& done) {
+  const Input input = input_of(options);
+  const sensing::GrayImage& left = input.pair.left;
+  const sensing::GrayImage& right = input.pair.right;
+  set_emulation({.machine = kNativeMachine});
+  const runtime::Device device = runtime::select_device(runtime::find_devices(), "cpu");
+  const runtime::Session session(device, depth::kernel_specs(),
+                                 {.variant = runtime::Variant::cpu});
+  depth::DepthParameters parameters = depth::default_parameters(left.width);
+  depth::Depth depth(session, left.width, left.height, parameters);
+  depth::DisparityMap map;
+
+  cv::setNumThreads(static_cast<int>(options.cores));
+  Sgbm five_ways(cv::StereoSGBM::MODE_SGBM);
+  Sgbm three_ways(cv::StereoSGBM::MODE_SGBM_3WAY);
+  const auto match = [&](Sgbm& sgbm) {
+    sgbm.matcher->compute(as_mat(left), as_mat(right), sgbm.map);
+  };
+  const std::vector<std::function<void()>> contestants{
+      [&] { map = depth.process(left, right, 0); }, [&] { match(five_ways); },
+      [&] { match(three_ways); }};
+  const auto ms = time_in_turns(contestants, options.rounds, done);
+
+  const std::string sgbm_parameters = fmt::format(
+      "OpenCV {}, {} disparities, {} x {}, P1 {}, P2 {}, disp12MaxDiff 1, preFilterCap 63, "
+      "uniquenessRatio 10, speckles of 100 at 32",
+      CV_VERSION, kDisparities, kBlock, kBlock, 8 * kBlock * kBlock, 32 * kBlock * kBlock);
+  PeerComparison comparison{.task = "depth",
+                            .input = input.name,
+                            .timed = "from pictures to disparity map, both in host memory"};
+  comparison.ours = {"partita depth",
+                     fmt::format("CPU variant on {}, setting robotics, {} disparities", device.name,
+                                 parameters.max_disparity + 1),
+                     ms[0], quality_of(to_pixels(map), input.truth)};
+  comparison.peers = {{"cv::StereoSGBM", "MODE_SGBM, " + sgbm_parameters, ms[1],
+                       quality_of(to_pixels(five_ways.map), input.truth)},
+                      {"cv::StereoSGBM, 3 ways", "MODE_SGBM_3WAY, else the same", ms[2],
+                       quality_of(to_pixels(three_ways.map), input.truth)}};
+  return comparison;
+}
+
+}  // namespace partita::app
