@@ -121,17 +121,16 @@ int peers(PeersOptions options, const Console& console) {
     ProgressBar bar(console, fmt::format("bench peers, {}", task.name),
                     static_cast<std::size_t>(options.common.rounds));
     std::size_t done = 0;
-    const PeerComparison comparison =
-        task.compare(options.common, [&] { bar.update(++done); });
+    const PeerComparison comparison = task.compare(options.common, [&] { bar.update(++done); });
     bar.clear();
     add_rows(table, comparison);
     below += details(comparison);
     document["measured"].push_back(to_json(comparison));
   }
-  console.result(fmt::format("{}{}Measured on {}: {}.\n", table.to_string(console.colour()), below,
-                             document["processor"].get<std::string>(),
-                             document["what"].get<std::string>()),
-                 document);
+  console.result(
+      fmt::format("{}{}Measured on {}: {}.\n", table.to_string(console.colour()), below,
+                  document["processor"].get<std::string>(), document["what"].get<std::string>()),
+      document);
   return exit_ok;
 }
 

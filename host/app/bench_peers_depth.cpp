@@ -84,8 +84,7 @@ PeerComparison compare_depth(const PeerOptions& options, const RoundDone& done) 
   const sensing::GrayImage& right = input.pair.right;
   set_emulation({.machine = kNativeMachine});
   const runtime::Device device = runtime::select_device(runtime::find_devices(), "cpu");
-  const runtime::Session session(device, depth::kernel_specs(),
-                                 {.variant = runtime::Variant::cpu});
+  const runtime::Session session(device, depth::kernel_specs(), {.variant = runtime::Variant::cpu});
   depth::DepthParameters parameters = depth::default_parameters(left.width);
   depth::Depth depth(session, left.width, left.height, parameters);
   depth::DisparityMap map;
@@ -96,9 +95,9 @@ PeerComparison compare_depth(const PeerOptions& options, const RoundDone& done) 
   const auto match = [&](Sgbm& sgbm) {
     sgbm.matcher->compute(as_mat(left), as_mat(right), sgbm.map);
   };
-  const std::vector<std::function<void()>> contestants{
-      [&] { map = depth.process(left, right, 0); }, [&] { match(five_ways); },
-      [&] { match(three_ways); }};
+  const std::vector<std::function<void()>> contestants{[&] { map = depth.process(left, right, 0); },
+                                                       [&] { match(five_ways); },
+                                                       [&] { match(three_ways); }};
   const auto ms = time_in_turns(contestants, options.rounds, done);
 
   const std::string sgbm_parameters = fmt::format(

@@ -40,8 +40,8 @@ struct DepthOptions {
 /// Names that cannot be meant are refused before anything is computed.
 void check_outputs(const DepthOptions& options) {
   if (!options.out.empty() && !io::is_disparity_name(options.out)) {
-    throw UsageError(fmt::format("depth: --out '{}', expected a name that ends in .png or .pfm",
-                                 options.out));
+    throw UsageError(
+        fmt::format("depth: --out '{}', expected a name that ends in .png or .pfm", options.out));
   }
   const auto check_ending = [](const char* option, const std::string& name, const char* ending) {
     if (name.empty() || fs::path(name).extension() == ending) return;
@@ -51,8 +51,8 @@ void check_outputs(const DepthOptions& options) {
   check_ending("--colour", options.colour, ".png");
   check_ending("--cloud", options.cloud, ".ply");
   std::vector<std::pair<std::string, fs::path>> taken;
-  for (const std::string* input : {&options.left, &options.right, &options.truth, &options.mask,
-                                   &options.calibration}) {
+  for (const std::string* input :
+       {&options.left, &options.right, &options.truth, &options.mask, &options.calibration}) {
     if (!input->empty()) taken.emplace_back(*input, fs::weakly_canonical(*input));
   }
   for (const std::string* name : {&options.out, &options.colour, &options.cloud}) {
@@ -60,8 +60,8 @@ void check_outputs(const DepthOptions& options) {
     const fs::path path = fs::weakly_canonical(*name);
     for (const auto& [other, other_path] : taken) {
       if (path != other_path) continue;
-      throw UsageError(fmt::format("depth: '{}' would replace '{}', expected another name", *name,
-                                   other));
+      throw UsageError(
+          fmt::format("depth: '{}' would replace '{}', expected another name", *name, other));
     }
     taken.emplace_back(*name, path);
   }
@@ -225,14 +225,13 @@ class DepthCommand {
   void finish(DepthReport& report, const std::optional<sensing::PairCalibration>& calibration,
               depth::Depth& depth) const {
     const StereoPair& pair = report.pair;
-    report.warnings = doubts(pair, report.map, depth);
+    report.warnings = doubts(pair, report.map, report.parameters, depth);
     const sensing::FloatImage disparity = to_pixels(report.map);
     if (truth_) {
       report.truth_path = options_.truth;
       report.truth_format = truth_->format;
       report.mask_path = options_.mask;
-      report.evaluation =
-          depth::evaluate(disparity, truth_->disparity, mask_ ? &*mask_ : nullptr);
+      report.evaluation = depth::evaluate(disparity, truth_->disparity, mask_ ? &*mask_ : nullptr);
       if (report.evaluation->with_truth == 0) {
         report.warnings.push_back(
             fmt::format("{}: no pixel with truth within the mask", options_.mask));
@@ -257,13 +256,12 @@ class DepthCommand {
       report.files.push_back(options_.colour);
     }
     if (calibration) {
-      const depth::PointCloud cloud =
-          depth::point_cloud(disparity, report.pair.left, *calibration);
+      const depth::PointCloud cloud = depth::point_cloud(disparity, report.pair.left, *calibration);
       if (cloud.too_far > 0) {
-        report.warnings.push_back(fmt::format("{}: {} pixels of less than {} px of disparity left "
-                                              "out",
-                                              options_.cloud, cloud.too_far,
-                                              depth::kLeastCloudDisparity));
+        report.warnings.push_back(
+            fmt::format("{}: {} pixels of less than {} px of disparity left "
+                        "out",
+                        options_.cloud, cloud.too_far, depth::kLeastCloudDisparity));
       }
       io::write_ply(options_.cloud, cloud.points,
                     "left camera's axes (x right, y down, z forward), metres");

@@ -23,7 +23,7 @@ StereoPair read_pair(const std::string& left, const std::string& right);
 /// level, the same picture twice, too few support points, few, or few disparities; and, where there
 /// are few, whether the pictures look swapped, for which `depth` matches them the other way round.
 std::vector<std::string> doubts(const StereoPair& pair, const depth::DisparityMap& map,
-                                depth::Depth& depth);
+                                const depth::DepthParameters& parameters, depth::Depth& depth);
 
 }  // namespace partita::app
 

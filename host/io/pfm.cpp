@@ -86,8 +86,8 @@ bool is_pfm(std::string_view bytes) {
 FloatImage read_pfm(const std::string& path) {
   const std::string bytes = read_file(path);
   const Header header = read_header(path, bytes);
-  const std::size_t expected = kSample * static_cast<std::size_t>(header.width) *
-                               static_cast<std::size_t>(header.height);
+  const std::size_t expected =
+      kSample * static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height);
   const std::size_t found = bytes.size() - header.end;
   if (found != expected) {
     throw Error(fmt::format("{}: PFM file is {} ({} bytes of samples, expected {})", path,

@@ -24,9 +24,10 @@ constexpr double kKittiScale = 256;
 double scale_beside(const std::string& path) {
   const std::string info = (fs::path(path).parent_path() / "info.txt").string();
   if (!fs::exists(info)) {
-    throw Error(fmt::format("{}: truth of 8 bits, expected its levels per pixel of disparity (a "
-                            "scale, or a file info.txt beside it that begins with it)",
-                            path));
+    throw Error(
+        fmt::format("{}: truth of 8 bits, expected its levels per pixel of disparity (a "
+                    "scale, or a file info.txt beside it that begins with it)",
+                    path));
   }
   const TextFile file(info);
   if (file.rows().empty()) throw Error(fmt::format("{}: empty, expected a scale", info));

@@ -21,10 +21,12 @@ TEST(Help, EveryCommandHasExamplesAndJson) {
                                              {"diff"},
                                              {"devices"},
                                              {"emulate"},
+                                             {"depth"},
                                              {"verify"},
                                              {"bench", "overhead"},
                                              {"bench", "start"},
                                              {"bench", "simulate"},
+                                             {"bench", "peers"},
                                              {"package"},
                                              {"generate"}}) {
     std::vector<std::string> words = command;
@@ -40,8 +42,8 @@ TEST(Help, EveryCommandHasExamplesAndJson) {
 TEST(Help, TheMainPageListsCommandsAndExitStatuses) {
   const Outcome outcome = partita({"--help"});
   EXPECT_EQ(outcome.status, 0);
-  for (const char* command :
-       {"run", "explore", "diff", "devices", "emulate", "verify", "bench", "package", "generate"}) {
+  for (const char* command : {"run", "explore", "diff", "devices", "emulate", "depth", "verify",
+                              "bench", "package", "generate"}) {
     EXPECT_THAT(outcome.out, HasSubstr(std::string("\n  ") + command + " "));
   }
   EXPECT_THAT(outcome.out, HasSubstr("Exit status: 0"));

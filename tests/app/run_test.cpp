@@ -77,7 +77,10 @@ TEST_F(RunTest, WritesEverythingOnceAndWhole) {
   EXPECT_GT(summary["predicted"]["energy"]["per_frame_j"], 0);
   EXPECT_EQ(summary["measured"]["scene"]["frames"].size(), 3u);
   EXPECT_TRUE(summary["accuracy"]["trajectory"].contains("end_error_percent"));
-  EXPECT_TRUE(summary["accuracy"]["depth"].contains("bad3_percent"));
+  for (const char* figure :
+       {"density_where_truth", "bad1_percent", "bad3_percent", "mean_error_px"}) {
+    EXPECT_TRUE(summary["accuracy"]["depth"].contains(figure)) << figure;
+  }
 }
 
 TEST_F(RunTest, APerceivedFrameIsTheSlowerBranch) {

@@ -8,9 +8,11 @@
 #include "host/io/image.h"
 #include "host/io/image_check.h"
 #include "host/io/trajectory.h"
+#include "host/io/truth.h"
 #include "host/tasks/sensing/frame.h"
 #include "host/tasks/sensing/kitti_calibration.h"
 #include "host/tasks/sensing/sensor_files.h"
+#include "host/tasks/sensing/stereo_calibration.h"
 #include "tests/host/io_temp_folder.h"
 
 namespace partita::sensing {
@@ -88,6 +90,11 @@ TEST(Fuzz, TextReaders) {
   const auto calibration = with([](const std::string& p) { read_kitti_calibration(p, 0); });
   EXPECT_GT(fuzz(row + right, kRounds, calibration), kRounds / 4);
   EXPECT_GT(fuzz("P0: " + row + "P1: " + right, kRounds, calibration), kRounds / 4);
+  EXPECT_GT(fuzz("cam0=[999.4 0 294.2; 0 999.4 252.9; 0 0 1]\n"
+                 "cam1=[999.4 0 326.9; 0 999.4 252.9; 0 0 1]\n"
+                 "doffs=32.7\nbaseline=193.0\nwidth=741\nheight=497\n",
+                 kRounds, with([](const auto& p) { read_stereo_calibration(p, 0); })),
+            kRounds / 4);
   const std::string poses = "1 0 0 0.5 0 1 0 0.5 0 0 1 12.25\n1 0 0 0.5 0 1 0 0.5 0 0 1 13.25\n";
   EXPECT_GT(fuzz(poses, kRounds, with([](const auto& p) { io::read_kitti_trajectory(p); })),
             kRounds / 4);
@@ -143,6 +150,17 @@ TEST(Fuzz, Pictures) {
   fuzz(pgm, 2000, [&](const std::string& bytes) {
     io::write_file(folder.file("b.pgm"), bytes);
     io::read_gray(folder.file("b.pgm"));
+  });
+  const std::string pfm = "Pf\n8 4\n-1.0\n" + std::string(8 * 4 * 4, 'x');
+  EXPECT_GT(fuzz(pfm, 2000,
+                 [&](const std::string& bytes) {
+                   io::write_file(folder.file("b.pfm"), bytes);
+                   io::read_truth(folder.file("b.pfm"));
+                 }),
+            1000);
+  fuzz(png, 500, [&](const std::string& bytes) {
+    io::write_file(folder.file("c.png"), bytes);
+    io::read_truth(folder.file("c.png"), 4);
   });
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }

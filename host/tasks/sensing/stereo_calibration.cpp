@@ -41,8 +41,8 @@ class Middlebury {
   const TextRow& row(std::string_view key) const {
     const auto found = rows_.find(key);
     if (found != rows_.end()) return found->second;
-    throw Error(fmt::format("{}: no line '{}=', expected cam0, cam1 and baseline", file_.path(),
-                            key));
+    throw Error(
+        fmt::format("{}: no line '{}=', expected cam0, cam1 and baseline", file_.path(), key));
   }
   double number(std::string_view key) const { return file_.numbers(row(key), 0, 1, "one")[0]; }
 
@@ -77,8 +77,9 @@ PairCalibration read_middlebury(const TextFile& file) {
   const std::vector<double> right = lines.camera("cam1");
   for (const std::size_t i : {0U, 4U, 5U}) {
     if (std::abs(left[i] - right[i]) > 1e-6 * std::abs(left[i])) {
-      file.fail(lines.row("cam1"), "the two cameras differ in fx, fy or cy, expected a rectified "
-                                   "pair");
+      file.fail(lines.row("cam1"),
+                "the two cameras differ in fx, fy or cy, expected a rectified "
+                "pair");
     }
   }
   PairCalibration result;
@@ -100,7 +101,9 @@ PairCalibration read_middlebury(const TextFile& file) {
 
 PairCalibration read_stereo_calibration(const std::string& path, int left) {
   const TextFile file(path);
-  const auto assigns = [](const TextRow& row) { return row.words[0].find('=') != row.words[0].npos; };
+  const auto assigns = [](const TextRow& row) {
+    return row.words[0].find('=') != row.words[0].npos;
+  };
   if (std::any_of(file.rows().begin(), file.rows().end(), assigns)) return read_middlebury(file);
   return {read_kitti_calibration(path, left)};
 }
