@@ -301,7 +301,7 @@ void add_matching_options(CLI::App* command, DepthOptions& options) {
                    "Largest disparity searched, px (default: 127, less for narrow pictures)")
       ->check(CLI::Range(1, 4096));
   command->add_option("--set", options.assignments, "Another parameter, name=value; repeatable")
-      ->take_all();
+      ->allow_extra_args(false);
   command->add_flag("--parameters", options.parameters,
                     "List all parameters with range and meaning instead");
   command->add_option("--truth", options.truth,

@@ -43,6 +43,7 @@ int parse_and_run(int argc, char** argv, Context& context) {
   app.set_version_flag("--version", "partita " PARTITA_VERSION);
   app.footer(std::string("Examples:\n  partita explore --machine all --no-execute\n"
                          "  partita run --scenario --frames 10\n"
+                         "  partita depth left.png right.png -o disparity.png\n"
                          "  partita devices --machine tx2\n  partita emulate -- clinfo -l\n\n") +
              kExitCodeHelp);
   app.require_subcommand(1);

@@ -19,8 +19,9 @@ using sensing::GrayImage;
 constexpr double kLowDensity = 0.3;
 constexpr double kLowSupport = 0.01;
 constexpr double kSuspiciousSupport = 0.05;
-/// Swapped back, a pair has at least this many times the support points.
-constexpr std::int64_t kSwappedGain = 2;
+/// Swapped back, a pair has at least this share and this many times the support points.
+constexpr double kSwappedSupport = 0.03;
+constexpr double kSwappedGain = 2;
 
 GrayImage read_converted(const std::string& path, std::vector<std::string>& conversions) {
   io::GrayRead read = io::read_gray(path);
@@ -36,6 +37,13 @@ void doubt_picture(const std::string& path, const GrayImage& image,
   if (*least == *most) {
     list.push_back(fmt::format("{}: level {} in every pixel, nothing to match", path, *least));
   }
+}
+
+/// Of the points of the grid, those that became support points.
+double support_share(const depth::DisparityMap& map, const depth::DepthParameters& parameters) {
+  const int step = parameters.candidate_step;
+  const int grid = std::max(1, (map.width / step) * (map.height / step));
+  return static_cast<double>(map.counts.support_points) / grid;
 }
 
 }  // namespace
@@ -59,13 +67,11 @@ std::vector<std::string> doubts(const StereoPair& pair, const depth::DisparityMa
   doubt_picture(pair.right_path, pair.right, list);
   if (!list.empty()) return list;
   if (pair.left == pair.right) {
-    list.push_back("the two pictures are the same: every disparity is zero");
+    list.push_back("the two pictures are the same: there is no disparity to find");
     return list;
   }
   const std::int64_t points = map.counts.support_points;
-  const int step = parameters.candidate_step;
-  const double share =
-      static_cast<double>(points) / std::max(1, (map.width / step) * (map.height / step));
+  const double share = support_share(map, parameters);
   const double density = map.density();
   if (map.too_few_support_points) {
     list.push_back(
@@ -81,10 +87,11 @@ std::vector<std::string> doubts(const StereoPair& pair, const depth::DisparityMa
   }
   if (density >= kLowDensity && share >= kSuspiciousSupport) return list;
   const depth::DisparityMap swapped = depth.process(pair.right, pair.left, 0);
-  if (swapped.counts.support_points > kSwappedGain * std::max<std::int64_t>(points, 3)) {
+  const double swapped_share = support_share(swapped, parameters);
+  if (swapped_share >= kSwappedSupport && swapped_share > kSwappedGain * share) {
     list.push_back(
-        fmt::format("the pictures look swapped: the other way round there are {} "
-                    "support points instead of {}",
+        fmt::format("the pictures look swapped: the other way round there are {} support points "
+                    "instead of {}",
                     swapped.counts.support_points, points));
   }
   return list;

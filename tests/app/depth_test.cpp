@@ -1,7 +1,8 @@
 // partita depth as a user calls it: every output, the accuracy figures, and what bad pictures and
 // odd options are answered with.
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -229,6 +230,21 @@ TEST_F(DepthCommand, IsMeasuredBesideItsPeers) {
     EXPECT_DOUBLE_EQ(peer["ratio"], theirs / ours);
     EXPECT_THAT(peer["parameters"], Not(HasSubstr("\n")));
   }
+}
+
+/// The document's program is the one that is built here, and finds what the command finds.
+TEST_F(DepthCommand, TheExampleInTheDocumentWorks) {
+  const std::string docs = PARTITA_DOCS;
+  EXPECT_THAT(bytes_of(docs + "/depth.md"),
+              HasSubstr("```cpp\n" + bytes_of(docs + "/examples/depth.cpp") + "```\n"));
+  const std::string out = temp_.file("out.txt");
+  const std::string command =
+      std::string(PARTITA_DEPTH_EXAMPLE) + " " + left() + " " + right() + " >" + out;
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const double density = depth_json({left(), right(), "--set", "lr_threshold=1"})["density"];
+  char expected[80];
+  std::snprintf(expected, sizeof(expected), "%.1f %% of the pixels have one\n", 100 * density);
+  EXPECT_THAT(bytes_of(out), HasSubstr(expected));
 }
 
 }  // namespace

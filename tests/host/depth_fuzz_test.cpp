@@ -91,14 +91,14 @@ SyntheticPair pair_of(Content content, Size size, Random& random) {
   }
 }
 
-/// One parameter of three differs from its setting, one of sixty is out of its range.
+/// One parameter of three differs from its setting, one of a hundred and fifty is out of its range.
 DepthParameters random_parameters(Random& random) {
   DepthParameters parameters = setting(random.chance(50) ? "robotics" : "middlebury");
   for (const Parameter& parameter : parameter_table()) {
     if (!random.chance(33)) continue;
     double value = random.real(parameter.least, parameter.most);
     if (random.chance(30)) value = random.chance(50) ? parameter.least : parameter.most;
-    if (random.chance(5)) value = random.chance(50) ? parameter.least - 1 : parameter.most + 1;
+    if (random.chance(2)) value = random.chance(50) ? parameter.least - 1 : parameter.most + 1;
     if (parameter.kind != ParameterKind::real) value = std::floor(value);
     parameter.set(parameters, value);
   }
@@ -151,13 +151,13 @@ void fuzz(Variant variant, int rounds, int largest_width, int largest_height) {
 }
 
 TEST(DepthFuzz, CpuVariant) {
-  fuzz(Variant::cpu, 120, 260, 140);
+  fuzz(Variant::cpu, 400, 260, 140);
 }
 TEST(DepthFuzz, GpuVariant) {
-  fuzz(Variant::gpu, 30, 160, 70);
+  fuzz(Variant::gpu, 100, 160, 70);
 }
 TEST(DepthFuzz, FpgaVariant) {
-  fuzz(Variant::fpga, 30, 160, 70);
+  fuzz(Variant::fpga, 100, 160, 70);
 }
 
 }  // namespace
