@@ -172,7 +172,8 @@ TEST(Truth, RealFiles) {
       read_truth(data + "/stereo_middlebury2014_motorcycleQ/disp0GT.pfm").disparity;
   EXPECT_EQ(motorcycle.width, 741);
   const float most = *std::max_element(motorcycle.pixels.begin(), motorcycle.pixels.end());
-  EXPECT_NEAR(most, 65, 2);  // its calib.txt says vmax=65
+  EXPECT_GT(most, 60);
+  EXPECT_LT(most, 65);  // its calib.txt says vmax=65
   const Truth tsukuba = read_truth(data + "/stereo_middlebury_v2/tsukuba/groundtruth.png");
   EXPECT_EQ(*std::max_element(tsukuba.disparity.pixels.begin(), tsukuba.disparity.pixels.end()),
             14);
