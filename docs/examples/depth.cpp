@@ -1,6 +1,7 @@
 #include <cstdio>
 
 #include "host/io/image.h"
+#include "host/runtime/error.h"
 #include "host/tasks/depth/depth.h"
 #include "host/tasks/depth/kernels.h"
 

@@ -94,7 +94,7 @@ static inline int match(const View view, int u, int max_disparity, int texture, 
 
   const uchar16 here = vload16((size_t)view.v * (size_t)view.width + (size_t)u, view.own);
   *distinct = texture16(here) >= texture && second != NEVER &&
-              100u * (best >> 8) <= (uint)ratio * (second >> 8);
+              100u * (best >> 8) < (uint)ratio * (second >> 8);
   return disparity;
 }
 

@@ -48,7 +48,7 @@ static inline int match(__private const Rows* own, __private const Rows* other, 
     if (d < disparity - 1 || d > disparity + 1) second = min(second, keys[d]);
   }
   *distinct = texture16(here) >= texture && second != NEVER &&
-              100u * (best >> 8) <= (uint)ratio * (second >> 8);
+              100u * (best >> 8) < (uint)ratio * (second >> 8);
   return disparity;
 }
 

@@ -46,7 +46,7 @@ int support_cost(const View& view, int u, int v, int d) {
   return sum;
 }
 
-/// The best disparity if it is distinct: its cost is at most ratio % of the best among those that
+/// The best disparity if it is distinct: its cost is below ratio % of the best among those that
 /// are not its neighbours. -1 otherwise.
 int match(const View& view, int u, int v, const SupportRules& rules) {
   if (u < kMargin || u >= view.size.width - kMargin) return -1;
@@ -68,7 +68,7 @@ int match(const View& view, int u, int v, const SupportRules& rules) {
     const int cost = support_cost(view, u, v, d);
     if (second_cost < 0 || cost < second_cost) second_cost = cost;
   }
-  if (second_cost < 0 || 100 * best_cost > rules.ratio_percent * second_cost) return -1;
+  if (second_cost < 0 || 100 * best_cost >= rules.ratio_percent * second_cost) return -1;
   return best;
 }
 

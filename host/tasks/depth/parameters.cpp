@@ -45,7 +45,7 @@ constexpr Parameter kParameters[] = {
     entry<&P::candidate_step>("candidate_step", "px", 5, 32,
                               "pitch of the grid on which support points are sought"),
     entry<&P::support_threshold>("support_threshold", "", 0.01, 1,
-                                 "tau: a support point's best cost is at most this share of the "
+                                 "tau: a support point's best cost is below this share of the "
                                  "second best"),
     entry<&P::support_texture>("support_texture", "grey levels", 0, 2048,
                                "least texture, sum of |descriptor - 128|, of a support point"),
