@@ -67,20 +67,11 @@ Json to_json(const PeerComparison& comparison) {
   return json;
 }
 
-std::string quality_text(const Json& quality) {
-  std::string text;
-  for (const auto& [key, value] : quality.items()) {
-    text += fmt::format("{}{} {:.4g}", text.empty() ? "" : ", ", key, value.get<double>());
-  }
-  return text.empty() ? "-" : text;
-}
-
 void add_rows(Table& table, const PeerComparison& comparison) {
   const auto add = [&](const Contestant& contestant, const std::string& times) {
     const Spread time = spread(contestant.ms);
     table.add({comparison.task, contestant.name, fmt::format("{:.2f}", time.median),
-               fmt::format("{:.2f}..{:.2f}", time.low, time.high), times,
-               quality_text(contestant.quality)});
+               fmt::format("{:.2f}..{:.2f}", time.low, time.high), times, contestant.quality_text});
   };
   add(comparison.ours, "1");
   for (const Contestant& peer : comparison.peers) {

@@ -24,7 +24,9 @@ struct Contestant {
   std::string name;        ///< "cv::StereoSGBM"
   std::string parameters;  ///< on one line
   std::vector<double> ms;  ///< wall time of each round
-  Json quality = {};       ///< of what came out, where the truth is known
+  /// Of what came out, where the truth is known: for scripts and for people.
+  Json quality = {};
+  std::string quality_text = "-";
 };
 
 /// Ours against each of the others.

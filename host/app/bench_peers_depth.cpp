@@ -68,12 +68,18 @@ struct Sgbm {
   cv::Mat map;
 };
 
-Json quality_of(const sensing::FloatImage& map, const std::optional<sensing::FloatImage>& truth) {
-  if (!truth) return {};
+/// Adds how good the map is, if the truth is known.
+Contestant judged(Contestant contestant, const sensing::FloatImage& map,
+                  const std::optional<sensing::FloatImage>& truth) {
+  if (!truth) return contestant;
   const depth::Evaluation e = depth::evaluate(map, *truth);
-  return {{"density %", 100 * e.density()},
-          {"bad-1 %", e.bad1_percent()},
-          {"bad-3 %", e.bad3_percent()}};
+  contestant.quality = {{"density", e.density()},
+                        {"bad1_percent", e.bad1_percent()},
+                        {"bad3_percent", e.bad3_percent()},
+                        {"mean_error_px", e.mean_error_px()}};
+  contestant.quality_text = fmt::format("density {:.1f} %, bad-1 {:.2f} %, bad-3 {:.2f} %",
+                                        100 * e.density(), e.bad1_percent(), e.bad3_percent());
+  return contestant;
 }
 
 }  // namespace
@@ -85,7 +91,7 @@ PeerComparison compare_depth(const PeerOptions& options, const RoundDone& done) 
   set_emulation({.machine = kNativeMachine});
   const runtime::Device device = runtime::select_device(runtime::find_devices(), "cpu");
   const runtime::Session session(device, depth::kernel_specs(), {.variant = runtime::Variant::cpu});
-  depth::DepthParameters parameters = depth::default_parameters(left.width);
+  const depth::DepthParameters parameters = depth::default_parameters(left.width);
   depth::Depth depth(session, left.width, left.height, parameters);
   depth::DisparityMap map;
 
@@ -107,14 +113,15 @@ PeerComparison compare_depth(const PeerOptions& options, const RoundDone& done) 
   PeerComparison comparison{.task = "depth",
                             .input = input.name,
                             .timed = "from pictures to disparity map, both in host memory"};
-  comparison.ours = {"partita depth",
-                     fmt::format("CPU variant on {}, setting robotics, {} disparities", device.name,
-                                 parameters.max_disparity + 1),
-                     ms[0], quality_of(to_pixels(map), input.truth)};
-  comparison.peers = {{"cv::StereoSGBM", "MODE_SGBM, " + sgbm_parameters, ms[1],
-                       quality_of(to_pixels(five_ways.map), input.truth)},
-                      {"cv::StereoSGBM, 3 ways", "MODE_SGBM_3WAY, else the same", ms[2],
-                       quality_of(to_pixels(three_ways.map), input.truth)}};
+  comparison.ours = judged({"partita depth",
+                            fmt::format("CPU variant on {}, setting robotics, {} disparities",
+                                        device.name, parameters.max_disparity + 1),
+                            ms[0]},
+                           to_pixels(map), input.truth);
+  comparison.peers = {judged({"cv::StereoSGBM", "MODE_SGBM, " + sgbm_parameters, ms[1]},
+                             to_pixels(five_ways.map), input.truth),
+                      judged({"cv::StereoSGBM, 3 ways", "MODE_SGBM_3WAY, else the same", ms[2]},
+                             to_pixels(three_ways.map), input.truth)};
   return comparison;
 }
 

@@ -238,9 +238,7 @@ class DepthCommand {
       }
     }
     output([&] { write(report, disparity, calibration); });
-    for (const std::string& warning : report.warnings) {
-      console_.notice(console_.json ? warning : "warning: " + warning);
-    }
+    for (const std::string& warning : report.warnings) console_.notice("warning: " + warning);
     console_.result(to_text(report), to_json(report));
   }
 

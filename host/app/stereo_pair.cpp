@@ -27,6 +27,13 @@ GrayImage read_converted(const std::string& path, std::vector<std::string>& conv
   io::GrayRead read = io::read_gray(path);
   if (!read.converted.empty()) {
     conversions.push_back(fmt::format("{}: {}, converted to 8-bit gray", path, read.converted));
+    // Cameras of 10 or 12 bits leave the upper ones of 16 empty.
+    constexpr int kFewLevels = 16;
+    const int most = *std::max_element(read.image.pixels.begin(), read.image.pixels.end());
+    if (most < kFewLevels) {
+      conversions.back() +=
+          fmt::format(", of which it uses levels up to {}: scale it to the full range first", most);
+    }
   }
   return std::move(read.image);
 }
