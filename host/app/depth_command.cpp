@@ -37,6 +37,13 @@ struct DepthOptions {
   bool parameters = false;
 };
 
+/// Two names of one file come out equal, as far as the system lets one look.
+fs::path resolved(const std::string& name) {
+  std::error_code code;
+  const fs::path path = fs::weakly_canonical(name, code);
+  return code ? fs::path(name).lexically_normal() : path;
+}
+
 /// Names that cannot be meant are refused before anything is computed.
 void check_outputs(const DepthOptions& options) {
   if (!options.out.empty() && !io::is_disparity_name(options.out)) {
@@ -53,11 +60,11 @@ void check_outputs(const DepthOptions& options) {
   std::vector<std::pair<std::string, fs::path>> taken;
   for (const std::string* input :
        {&options.left, &options.right, &options.truth, &options.mask, &options.calibration}) {
-    if (!input->empty()) taken.emplace_back(*input, fs::weakly_canonical(*input));
+    if (!input->empty()) taken.emplace_back(*input, resolved(*input));
   }
   for (const std::string* name : {&options.out, &options.colour, &options.cloud}) {
     if (name->empty()) continue;
-    const fs::path path = fs::weakly_canonical(*name);
+    const fs::path path = resolved(*name);
     for (const auto& [other, other_path] : taken) {
       if (path != other_path) continue;
       throw UsageError(

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -23,7 +24,8 @@ constexpr double kKittiScale = 256;
 /// Middlebury's second version keeps the scale, and the largest disparity, in a file of its own.
 double scale_beside(const std::string& path) {
   const std::string info = (fs::path(path).parent_path() / "info.txt").string();
-  if (!fs::exists(info)) {
+  std::error_code unreadable;
+  if (!fs::exists(info, unreadable)) {
     throw Error(
         fmt::format("{}: truth of 8 bits, expected its levels per pixel of disparity (a "
                     "scale, or a file info.txt beside it that begins with it)",
