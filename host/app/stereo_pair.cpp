@@ -14,10 +14,11 @@ using sensing::GrayImage;
 
 // Pictures that belong together have a disparity for four pixels of five and support at every
 // eighth point of the grid (at every thirtieth, where one plane fills the picture); the right ones
-// the wrong way round, or of two places, for a third of the pixels and at one point of a hundred.
-// With a looser ratio test ("middlebury") the wrong ones have three of a hundred.
+// the wrong way round, or of two places, for a fifth of the pixels and at one point of a hundred.
+// With a looser ratio test and all gaps filled ("middlebury") the wrong ones have a disparity
+// everywhere, from two or three points of a hundred.
 constexpr double kLowDensity = 0.3;
-constexpr double kLowSupport = 0.01;
+constexpr double kLowSupport = 0.03;
 constexpr double kSuspiciousSupport = 0.05;
 /// Swapped back, a pair has at least this share and this many times the support points.
 constexpr double kSwappedSupport = 0.03;
@@ -88,9 +89,9 @@ std::vector<std::string> doubts(const StereoPair& pair, const depth::DisparityMa
                     points));
   } else if (density < kLowDensity || share < kLowSupport) {
     list.push_back(
-        fmt::format("{} support points and a disparity for {:.1f} % of the pixels, "
-                    "which is little: what is there may be wrong",
-                    points, 100 * density));
+        fmt::format("{} support points ({:.1f} of 100 grid points) and a disparity for {:.1f} % of "
+                    "the pixels, which is little: what is there may be wrong",
+                    points, 100 * share, 100 * density));
   }
   if (density >= kLowDensity && share >= kSuspiciousSupport) return list;
   const depth::DisparityMap swapped = depth.process(pair.right, pair.left, 0);
