@@ -34,6 +34,7 @@ struct DepthOptions {
   std::string calibration;
   double focal = 0, baseline = 0;  ///< 0: not given
   std::optional<double> cx, cy;
+  int repeat = 1;
   bool parameters = false;
 };
 
@@ -178,21 +179,26 @@ class DepthCommand {
     depth::Depth depth(session, pair.left.width, pair.left.height, parameters);
     depth.warm_up();
     session.save_binaries();
-    const std::uint64_t start = wall_now();
-    const std::uint64_t virtual_start = session.extension().host_clock();
-    const depth::DisparityMap map = depth.process(pair.left, pair.right, 0);
+    std::vector<double> times_ms;
+    std::optional<double> predicted_ms;
+    depth::DisparityMap map;
+    for (int i = 0; i < options_.repeat; ++i) {
+      const std::uint64_t start = wall_now();
+      const std::uint64_t virtual_start = session.extension().host_clock();
+      map = depth.process(pair.left, pair.right, i);
+      times_ms.push_back(static_cast<double>(wall_now() - start) * 1e-6);
+      if (!session.extension().present()) continue;
+      predicted_ms = static_cast<double>(session.extension().host_clock() - virtual_start) * 1e-6;
+    }
 
     DepthReport report{.pair = pair,
                        .session = session,
                        .map = map,
                        .machine = options_.machine,
                        .setting = options_.setting,
-                       .parameters = parameters};
-    report.measured_ms = static_cast<double>(wall_now() - start) * 1e-6;
-    if (session.extension().present()) {
-      report.predicted_ms =
-          static_cast<double>(session.extension().host_clock() - virtual_start) * 1e-6;
-    }
+                       .parameters = parameters,
+                       .times_ms = times_ms,
+                       .predicted_ms = predicted_ms};
     finish(report, calibration, depth);
     return exit_ok;
   }
@@ -307,6 +313,9 @@ void add_matching_options(CLI::App* command, DepthOptions& options) {
       ->check(CLI::Range(1, 4096));
   command->add_option("--set", options.assignments, "Another parameter, name=value; repeatable")
       ->allow_extra_args(false);
+  command->add_option("--repeat", options.repeat, "Match this often, and tell the median time")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
   command->add_flag("--parameters", options.parameters,
                     "List all parameters with range and meaning instead");
   command->add_option("--truth", options.truth,

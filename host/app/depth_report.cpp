@@ -50,6 +50,12 @@ Json accuracy_json(const DepthReport& report) {
   return json;
 }
 
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 std::string range_text(const Parameter& parameter) {
   if (parameter.kind == ParameterKind::flag) return "on, off";
   return fmt::format("{}..{}", parameter.least, parameter.most);
@@ -79,7 +85,7 @@ Json to_json(const DepthReport& report) {
   }
   if (report.evaluation) json["accuracy"] = accuracy_json(report);
   if (report.predicted_ms) json["predicted"] = {{"ms", *report.predicted_ms}};
-  json["measured"] = {{"ms", report.measured_ms}};
+  json["measured"] = {{"ms", median(report.times_ms)}, {"each_ms", report.times_ms}};
   json["conversions"] = report.pair.conversions;
   json["warnings"] = report.warnings;
   json["files"] = report.files;
@@ -106,7 +112,9 @@ std::string to_text(const DepthReport& report) {
         report.mask_path.empty() ? "" : fmt::format(" within {}", report.mask_path));
   }
   if (report.predicted_ms) text += fmt::format("predicted  {:.2f} ms\n", *report.predicted_ms);
-  text += fmt::format("measured   {:.1f} ms on this computer\n", report.measured_ms);
+  const std::size_t times = report.times_ms.size();
+  text += fmt::format("measured   {:.1f} ms on this computer, {}\n", median(report.times_ms),
+                      times == 1 ? "once" : fmt::format("median of {}", times));
   if (!report.files.empty()) text += fmt::format("written    {}\n", fmt::join(report.files, ", "));
   return text;
 }

@@ -21,8 +21,8 @@ struct DepthReport {
   std::string machine;
   std::string setting;
   depth::DepthParameters parameters;
-  double measured_ms = 0;                ///< from pictures to map, both in host memory
-  std::optional<double> predicted_ms;    ///< the same on the emulated device
+  std::vector<double> times_ms;        ///< from pictures to map, both in host memory; at least one
+  std::optional<double> predicted_ms;  ///< the same on the emulated device
   std::string truth_path, truth_format;  ///< empty without truth
   std::string mask_path;
   std::optional<depth::Evaluation> evaluation;
