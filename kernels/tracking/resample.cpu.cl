@@ -17,6 +17,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void resample(
   if (p >= count) return;
   const int begin = (int)get_global_id(0) * BAND;
   __global const int* window = windows + p * WINDOW_ENTRIES;
+  const int x0 = window[0];
+  const int y0 = window[1];
   const int step_x = window[2];
   const int step_y = window[3];
   const int shift = window[4];
@@ -25,20 +27,20 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void resample(
     for (int j = begin; j < begin + BAND; ++j) {
       for (int i = 0; i < side; ++i) {
         patch[j * side + i] =
-            mean_of_taps(image, width, height, window[0] + i * step_x, window[1] + j * step_y,
+            mean_of_taps(image, width, height, x0 + i * step_x, y0 + j * step_y,
                          step_x >> shift, step_y >> shift, shift);
       }
     }
     return;
   }
   for (int i = 0; i < side; ++i) {
-    const int x = window[0] + i * step_x;
+    const int x = x0 + i * step_x;
     left[i] = clamp(x >> 16, 0, width - 1);
     right[i] = clamp((x >> 16) + 1, 0, width - 1);
     part[i] = (x >> 8) & 255;
   }
   for (int j = begin; j < begin + BAND; ++j) {
-    const int y = window[1] + j * step_y;
+    const int y = y0 + j * step_y;
     __global const uchar* above = image + (size_t)clamp(y >> 16, 0, height - 1) * (size_t)width;
     __global const uchar* below =
         image + (size_t)clamp((y >> 16) + 1, 0, height - 1) * (size_t)width;

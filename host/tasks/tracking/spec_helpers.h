@@ -2,6 +2,7 @@
 #ifndef PARTITA_HOST_TASKS_TRACKING_SPEC_HELPERS_H
 #define PARTITA_HOST_TASKS_TRACKING_SPEC_HELPERS_H
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <initializer_list>
