@@ -61,7 +61,8 @@ std::optional<io::OutputFolder> drawing_folder(const std::string& path) {
   if (occupied && !io::is_partial(path, io::kTrackWriter)) {
     throw OutputError(fmt::format("{}: is not empty; choose another folder for --draw", path));
   }
-  return output([&] { return std::optional<io::OutputFolder>(std::in_place, path, io::kTrackWriter); });
+  return output(
+      [&] { return std::optional<io::OutputFolder>(std::in_place, path, io::kTrackWriter); });
 }
 
 class SingleTrack {
@@ -73,8 +74,7 @@ class SingleTrack {
     prepare();
     auto drawings = drawing_folder(options_.draw);
     set_emulation({.machine = options_.machine});
-    const runtime::Device device =
-        runtime::select_device(runtime::find_devices(), options_.device);
+    const runtime::Device device = runtime::select_device(runtime::find_devices(), options_.device);
     runtime::SessionOptions session_options;
     if (!device.accepts_source) {
       session_options.container =
@@ -137,7 +137,8 @@ class SingleTrack {
       if (stop_requested()) throw Interrupted();
       if (k > 0) read(k);
       const std::uint64_t begin = wall_now(), virtual_begin = session.extension().host_clock();
-      tracker.update(image_, k == 0 ? std::optional(std::span(&first, 1)) : std::nullopt);
+      tracker.update(image_, k == 0 ? std::optional(std::span(&first, 1)) : std::nullopt,
+                     static_cast<std::int64_t>(k));
       if (k > 0) {
         measured_ns_.push_back(static_cast<double>(wall_now() - begin));
         predicted_ns_ += static_cast<double>(session.extension().host_clock() - virtual_begin);
@@ -177,9 +178,9 @@ class SingleTrack {
     document["width"] = image_.width;
     document["height"] = image_.height;
     document["device"] = device.name;
-    std::string text = fmt::format("{} of {} pictures, {}x{}, on {}; boxes in {}\n", boxes_.size(),
-                                   pictures_.size(), image_.width, image_.height, device.name,
-                                   options_.out);
+    std::string text =
+        fmt::format("{} of {} pictures, {}x{}, on {}; boxes in {}\n", boxes_.size(),
+                    pictures_.size(), image_.width, image_.height, device.name, options_.out);
     if (!truth_.empty()) {
       const tracking::Accuracy accuracy = tracking::measure(boxes_, truth_);
       document["accuracy"] = {{"frames", accuracy.frames},
@@ -189,15 +190,18 @@ class SingleTrack {
                           accuracy.mean_overlap, accuracy.precision);
     }
     if (!measured_ns_.empty()) {
-      const auto middle = measured_ns_.begin() + static_cast<std::ptrdiff_t>(measured_ns_.size() / 2);
+      const auto middle =
+          measured_ns_.begin() + static_cast<std::ptrdiff_t>(measured_ns_.size() / 2);
       std::nth_element(measured_ns_.begin(), middle, measured_ns_.end());
       document["measured"] = {{"median_frame_ms", *middle / 1e6}, {"frames_per_s", 1e9 / *middle}};
-      text += fmt::format("measured   {} a frame (median), {:.0f} frames/s, reading pictures aside\n",
-                          format_ns(*middle), 1e9 / *middle);
+      text +=
+          fmt::format("measured   {} a frame (median), {:.0f} frames/s, reading pictures aside\n",
+                      format_ns(*middle), 1e9 / *middle);
       if (device.emulated()) {
         const double mean = predicted_ns_ / static_cast<double>(measured_ns_.size());
         document["predicted"] = {{"mean_frame_ms", mean / 1e6}};
-        text += fmt::format("predicted  {} a frame (mean) on {}\n", format_ns(mean), device.profile);
+        text +=
+            fmt::format("predicted  {} a frame (mean) on {}\n", format_ns(mean), device.profile);
       }
     }
     if (!why_.empty()) document["ended"] = {{"picture", pictures_[boxes_.size()]}, {"why", why_}};
@@ -227,7 +231,8 @@ void add_track(CLI::App& app, Context& context) {
   auto options = std::make_shared<TrackOptions>();
   command->add_option("-s,--sequence", options->sequence, "Folder of pictures, or with img/ in it")
       ->required();
-  command->add_option("--init", options->init, "Box in the first picture: x,y,width,height in pixels")
+  command
+      ->add_option("--init", options->init, "Box in the first picture: x,y,width,height in pixels")
       ->delimiter(',')
       ->expected(4);
   command->add_option("-o,--out", options->out, "File for the boxes: a line x,y,w,h per picture")
@@ -245,9 +250,7 @@ void add_track(CLI::App& app, Context& context) {
   add_machine_option(command, options->machine);
   add_container_option(command, options->container);
   command->callback([options, &context] {
-    context.action = [options, &context] {
-      return SingleTrack(*options, context.console).run();
-    };
+    context.action = [options, &context] { return SingleTrack(*options, context.console).run(); };
   });
 }
 

@@ -12,9 +12,9 @@
 
 namespace partita::io {
 
-/// Reads "x,y,w,h" lines, separated by commas, blanks or tabs. Four times "nan" is a picture in which
-/// the object is not to be seen. Throws Error with file and line for anything else, for a negative
-/// size, and for a file without boxes.
+/// Reads "x,y,w,h" lines, separated by commas, blanks or tabs. Four times "nan" is a picture in
+/// which the object is not to be seen. Throws Error with file and line for anything else, for a
+/// negative size, and for a file without boxes.
 std::vector<std::optional<tracking::Box>> read_boxes(const std::string& path);
 
 /// Writes them with two decimals, "nan,nan,nan,nan" for none.

@@ -55,8 +55,8 @@ std::vector<std::string> list_pictures(const std::string& folder) {
   }
   if (code) throw Error(fmt::format("{}: cannot be listed ({})", where.string(), code.message()));
   if (found.empty()) {
-    throw Error(fmt::format("{}: no pictures, expected PNG, JPEG, PGM or PPM files",
-                            where.string()));
+    throw Error(
+        fmt::format("{}: no pictures, expected PNG, JPEG, PGM or PPM files", where.string()));
   }
   if (std::all_of(found.begin(), found.end(), is_number)) {
     std::sort(found.begin(), found.end(), smaller_number);

@@ -1,6 +1,6 @@
 // 31 channels from the histograms (see the GPU's text for how).
-// Assumes: as there; cells a multiple of 16, at most MAX_CELLS. CPU variant: a work-item takes a row
-// of cells of a patch, 16 cells at a time.
+// Assumes: as there; cells a multiple of 16, at most MAX_CELLS. CPU variant: a work-item takes a
+// row of cells of a patch, 16 cells at a time.
 #include "tracking/constants.clh"
 #include "tracking/math.clh"
 
@@ -40,10 +40,10 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void cell_features(
       const int cx = 1 + x;
       const int bx = cx + (k & 1) * 2 - 1;
       const int by = (k >> 1) * 2;
-      norm[k] = reciprocal_root_float16(
-          ((vload16(0, &energy[1][cx]) + vload16(0, &energy[1][bx])) +
-           (vload16(0, &energy[by][cx]) + vload16(0, &energy[by][bx]))) +
-          ENERGY_FLOOR);
+      norm[k] =
+          reciprocal_root_float16(((vload16(0, &energy[1][cx]) + vload16(0, &energy[1][bx])) +
+                                   (vload16(0, &energy[by][cx]) + vload16(0, &energy[by][bx]))) +
+                                  ENERGY_FLOOR);
     }
     const float16 window = taper[y] * vload16(0, taper + x);
     __global const int* bins = of_patch + y * cells + x;
@@ -66,8 +66,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void cell_features(
       vstore16((0.5f * sum) * window, 0, out + (size_t)(BINS + o) * plane);
     }
     for (int k = 0; k < 4; ++k) {
-      vstore16((0.2357f * texture[k]) * window, 0,
-               out + (size_t)(BINS + DIRECTIONS + k) * plane);
+      vstore16((0.2357f * texture[k]) * window, 0, out + (size_t)(BINS + DIRECTIONS + k) * plane);
     }
   }
 }

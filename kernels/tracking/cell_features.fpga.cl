@@ -1,7 +1,7 @@
 // 31 channels from the histograms (see the GPU's text for how).
 // Assumes: as there; cells at most MAX_CELLS. FPGA variant: histograms are fetched into on-chip
-// memory; energies and norms of a cell take a clock each; then channel by channel a feature leaves a
-// clock. What is summed over the channels comes back to a cell only a plane later.
+// memory; energies and norms of a cell take a clock each; then channel by channel a feature leaves
+// a clock. What is summed over the channels comes back to a cell only a plane later.
 #include "common/fpga.clh"
 #include "tracking/constants.clh"
 #include "tracking/math.clh"
@@ -46,9 +46,9 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void cell_features(
       for (int k = 0; k < 4; ++k) {
         const int bx = clamp(x + (k & 1) * 2 - 1, 0, cells - 1);
         const int by = clamp(y + (k >> 1) * 2 - 1, 0, cells - 1) * cells;
-        norm[k][cell] = reciprocal_root_float(((energy[cell] + energy[y * cells + bx]) +
-                                               (energy[by + x] + energy[by + bx])) +
-                                              ENERGY_FLOOR);
+        norm[k][cell] = reciprocal_root_float(
+            ((energy[cell] + energy[y * cells + bx]) + (energy[by + x] + energy[by + bx])) +
+            ENERGY_FLOOR);
       }
     }
     for (int o = 0; o < BINS; ++o) {

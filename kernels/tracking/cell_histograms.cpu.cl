@@ -1,6 +1,7 @@
 // Histograms of gradient directions over cells (see the GPU's text for how).
-// Assumes: as there; cells a multiple of 16, at most MAX_CELLS. CPU variant: a work-item takes a row
-// of cells of a patch, that is eight rows of pixels; the votes of 16 pixels are found at a time.
+// Assumes: as there; cells a multiple of 16, at most MAX_CELLS. CPU variant: a work-item takes a
+// row of cells of a patch, that is eight rows of pixels; the votes of 16 pixels are found at a
+// time.
 #include "tracking/direction.clh"
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void cell_histograms(
@@ -27,13 +28,13 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void cell_histograms(
     __global const ushort* above = patch + max(y - 1, 0) * side;
     __global const ushort* here = patch + y * side;
     __global const ushort* below = patch + min(y + 1, side - 1) * side;
-    for (int x = 0; x < side; x += 16) vstore16(convert_int16(vload16(0, here + x)), 0, row + 1 + x);
+    for (int x = 0; x < side; x += 16)
+      vstore16(convert_int16(vload16(0, here + x)), 0, row + 1 + x);
     row[0] = row[1];
     row[side + 1] = row[side];
     for (int x = 0; x < side; x += 16) {
       const int16 dx = vload16(0, row + x + 2) - vload16(0, row + x);
-      const int16 dy =
-          convert_int16(vload16(0, below + x)) - convert_int16(vload16(0, above + x));
+      const int16 dy = convert_int16(vload16(0, below + x)) - convert_int16(vload16(0, above + x));
       int16 longest = (int16)(0);
       int16 bin = (int16)(0);
       for (int o = 0; o < DIRECTIONS; ++o) {

@@ -36,8 +36,8 @@ __kernel __attribute__((reqd_work_group_size(TILE, TILE, 1))) void cell_histogra
   barrier(CLK_LOCAL_MEM_FENCE);
   for (int v = 0; v < 8; ++v) {
     for (int u = 0; u < 8; ++u) {
-      const int vote = votes[((int)get_local_id(1) * CELL + v) * REACH +
-                             (int)get_local_id(0) * CELL + u];
+      const int vote =
+          votes[((int)get_local_id(1) * CELL + v) * REACH + (int)get_local_id(0) * CELL + u];
       bins[(vote & 31) * TILE * TILE + item] += (vote >> 5) * weight_of(u) * weight_of(v);
     }
   }

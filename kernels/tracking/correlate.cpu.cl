@@ -1,5 +1,6 @@
 // The Gaussian kernel between each patch and its target's model (see the GPU's text for how).
-// Assumes: as there. CPU variant: a work-item takes a patch, sixteen entries of its plane at a time.
+// Assumes: as there. CPU variant: a work-item takes a patch, sixteen entries of its plane at a
+// time.
 #include "tracking/fourier.cpu.clh"
 
 // Adds halves onto halves.

@@ -1,7 +1,7 @@
 // The Gaussian kernel between each patch and its target's model (see the GPU's text for how).
-// Assumes: as there. FPGA variant: patch by patch. The sums over the channels run plane by plane, so
-// that an entry comes back only a plane later; its real and imaginary parts come through one port,
-// two clocks an entry. Everything else takes an entry a clock.
+// Assumes: as there. FPGA variant: patch by patch. The sums over the channels run plane by plane,
+// so that an entry comes back only a plane later; its real and imaginary parts come through one
+// port, two clocks an entry. Everything else takes an entry a clock.
 #include "tracking/fourier.fpga.clh"
 
 static inline float tree_sum(float* values, int size) {

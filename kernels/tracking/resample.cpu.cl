@@ -26,9 +26,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void resample(
   if (shift > 0) {
     for (int j = begin; j < begin + BAND; ++j) {
       for (int i = 0; i < side; ++i) {
-        patch[j * side + i] =
-            mean_of_taps(image, width, height, x0 + i * step_x, y0 + j * step_y,
-                         step_x >> shift, step_y >> shift, shift);
+        patch[j * side + i] = mean_of_taps(image, width, height, x0 + i * step_x, y0 + j * step_y,
+                                           step_x >> shift, step_y >> shift, shift);
       }
     }
     return;

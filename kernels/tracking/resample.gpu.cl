@@ -1,8 +1,8 @@
 // Cuts targets' windows out of a picture and brings them to patches of side x side pixels: bilinear
-// samples in integers, the mean of several where the window is larger than the patch, so that a near
-// target is not aliased. Result: grey levels with four fractional bits.
-// Assumes: side a multiple of 16; picture and window within +-32767 px. GPU variant: a work-item per
-// pixel, groups of 16 x 16, patches along z.
+// samples in integers, the mean of several where the window is larger than the patch, so that a
+// near target is not aliased. Result: grey levels with four fractional bits. Assumes: side a
+// multiple of 16; picture and window within +-32767 px. GPU variant: a work-item per pixel, groups
+// of 16 x 16, patches along z.
 #include "tracking/sample.clh"
 
 __kernel __attribute__((reqd_work_group_size(16, 16, 1))) void resample(

@@ -1,5 +1,6 @@
 // A target's filter applied to its patches (see the GPU's text for how).
-// Assumes: as there. CPU variant: a work-item takes a patch, sixteen entries of its plane at a time.
+// Assumes: as there. CPU variant: a work-item takes a patch, sixteen entries of its plane at a
+// time.
 #include "tracking/fourier.cpu.clh"
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void respond(

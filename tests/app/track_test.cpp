@@ -29,15 +29,16 @@ class Track : public ::testing::Test {
       for (int x = 0; x < kWidth; ++x) {
         const int u = x - left, v = y - 30;
         const bool inside = u >= 0 && v >= 0 && u < 24 && v < 24;
-        const int noise = inside ? (u / 4 * 37 + v / 4 * 91) % 200 + 50 : 40 + (x / 8 + y / 8) % 2 * 9;
+        const int noise =
+            inside ? (u / 4 * 37 + v / 4 * 91) % 200 + 50 : 40 + (x / 8 + y / 8) % 2 * 9;
         bytes += static_cast<char>(noise);
       }
     }
     temp_.write("seq/" + std::to_string(k + 1) + ".pgm", bytes);
   }
   Outcome track(std::vector<std::string> more) const {
-    std::vector<std::string> words{"track", "--machine", "native", "--quiet", "--sequence",
-                                   temp_.file("seq"), "-o", out()};
+    std::vector<std::string> words{"track",      "--machine",       "native", "--quiet",
+                                   "--sequence", temp_.file("seq"), "-o",     out()};
     words.insert(words.end(), more.begin(), more.end());
     return partita(words);
   }
@@ -66,8 +67,8 @@ TEST_F(Track, FollowsAndMeasures) {
 TEST_F(Track, TheSameOnEveryDeviceOfTheDragonfly) {
   std::vector<std::string> boxes;
   for (const char* device : {"cpu", "gpu", "fpga"}) {
-    const auto json = partita_json({"track", "--quiet", "--sequence", temp_.file("seq"), "-o", out(),
-                                    "--init", "40,30,24,24", "--device", device});
+    const auto json = partita_json({"track", "--quiet", "--sequence", temp_.file("seq"), "-o",
+                                    out(), "--init", "40,30,24,24", "--device", device});
     EXPECT_GT(json["predicted"]["mean_frame_ms"], 0);
     boxes.push_back(bytes_of(out()));
   }
@@ -88,7 +89,8 @@ TEST_F(Track, BadInputIsOneLineAndLeavesNoFile) {
   expect_one_line(track({}), 2, {"--init"});
   expect_one_line(track({"--init", "1,2,3"}), 2, {"--init"});
   expect_one_line(track({"--init", "40,30,0,24"}), 3, {"--init", "too small"});
-  expect_one_line(track({"--init", "400,30,24,24"}), 3, {"--init", "outside the picture", "120 x 80"});
+  expect_one_line(track({"--init", "400,30,24,24"}), 3,
+                  {"--init", "outside the picture", "120 x 80"});
   expect_one_line(track({"--init", "40,30,24,240"}), 3, {"larger than the picture"});
   temp_.write("truth.txt", "40,30,24,24\n40,30\n");
   expect_one_line(track({"--truth", temp_.file("truth.txt")}), 3, {"truth.txt:2"});

@@ -14,10 +14,10 @@
 namespace partita::io {
 namespace {
 
-using testing::error_of;
-using testing::TempFolder;
 using ::testing::EndsWith;
+using testing::error_of;
 using ::testing::HasSubstr;
+using testing::TempFolder;
 
 TEST(Boxes, ReadsWhatBenchmarksWrite) {
   const TempFolder folder;

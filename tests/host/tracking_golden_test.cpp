@@ -50,8 +50,8 @@ TEST(TrackingSpectra, AreThoseOfTheDefinition) {
       // Transposed, both frequencies bit-reversed.
       const auto at = static_cast<std::size_t>(reversed(u, cells)) * n +
                       static_cast<std::size_t>(reversed(v, cells));
-      worst = std::max(worst, std::abs(sum - std::complex<double>(spectrum[at],
-                                                                  spectrum[at + plane.size()])));
+      worst = std::max(
+          worst, std::abs(sum - std::complex<double>(spectrum[at], spectrum[at + plane.size()])));
     }
     EXPECT_LT(worst, 2e-4) << cells;  // of sums of up to 1024 numbers
   }

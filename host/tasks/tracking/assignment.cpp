@@ -7,8 +7,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// One row after the other is brought in along the cheapest alternating path. Rows and columns count
-/// from 1 here; column 0 is where a path starts, row 0 is nobody. Needs rows <= columns.
+/// One row after the other is brought in along the cheapest alternating path. Rows and columns
+/// count from 1 here; column 0 is where a path starts, row 0 is nobody. Needs rows <= columns.
 class Assigner {
  public:
   Assigner(std::span<const double> costs, std::size_t rows, std::size_t columns, bool transposed)
@@ -44,8 +44,8 @@ class Assigner {
       double step = kInfinity;
       for (std::size_t column = 1; column <= columns_; ++column) {
         if (reached[column]) continue;
-        const double reduced = cost(row_of_[at], column) - row_potential_[row_of_[at]] -
-                               column_potential_[column];
+        const double reduced =
+            cost(row_of_[at], column) - row_potential_[row_of_[at]] - column_potential_[column];
         if (reduced < least[column]) {
           least[column] = reduced;
           before[column] = at;

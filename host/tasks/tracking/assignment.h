@@ -1,5 +1,5 @@
-// Who belongs to whom, at least total cost: the Hungarian algorithm (Kuhn 1955, Munkres 1957), in the
-// form with potentials and shortest augmenting paths, O(rows^2 columns).
+// Who belongs to whom, at least total cost: the Hungarian algorithm (Kuhn 1955, Munkres 1957), in
+// the form with potentials and shortest augmenting paths, O(rows^2 columns).
 #ifndef PARTITA_HOST_TASKS_TRACKING_ASSIGNMENT_H
 #define PARTITA_HOST_TASKS_TRACKING_ASSIGNMENT_H
 

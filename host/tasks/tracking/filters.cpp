@@ -94,8 +94,9 @@ Filters::Impl::Impl(const Session& s, Picture picture, const FilterParameters& p
   const std::size_t count = targets * static_cast<std::size_t>(p.scales);
   const std::size_t complex_plane = 2 * plane * sizeof(float);
   falloff = static_cast<float>(1.0 / (p.sigma * p.sigma * kChannels * static_cast<double>(plane)));
-  image = s.make_buffer(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height),
-                        CL_MEM_READ_ONLY);
+  image =
+      s.make_buffer(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height),
+                    CL_MEM_READ_ONLY);
   windows = s.make_buffer(count * sizeof(Window), CL_MEM_READ_ONLY);
   slots = s.make_buffer(targets * sizeof(std::int32_t), CL_MEM_READ_ONLY);
   rates = s.make_buffer(targets * sizeof(float), CL_MEM_READ_ONLY);
@@ -173,8 +174,8 @@ std::vector<Located> Filters::Impl::locate(std::span<const Target> targets) {
   extract(count);
   correlate.launch(scales_shape(cells, count, scales), models, spectrum, slots, twiddles, kernels,
                    cells, scales, n, falloff);
-  respond.launch(scales_shape(cells, count, scales), kernels, filters, slots, twiddles, peaks, cells,
-                 scales, n);
+  respond.launch(scales_shape(cells, count, scales), kernels, filters, slots, twiddles, peaks,
+                 cells, scales, n);
   const auto entries = static_cast<std::size_t>(scales) * kPeakEntries;
   std::vector<float> values(targets.size() * entries);
   session->read(peaks, std::as_writable_bytes(std::span(values)));

@@ -46,7 +46,8 @@ struct Located {
 class Filters {
  public:
   /// For pictures of that size and at most `capacity` targets (slots 0 .. capacity - 1). Throws
-  /// Error for a parameter out of range, or pictures smaller than 16 x 16 or larger than 8192 x 8192.
+  /// Error for a parameter out of range, or pictures smaller than 16 x 16 or larger than 8192 x
+  /// 8192.
   Filters(const runtime::Session& session, int width, int height,
           const FilterParameters& parameters, int capacity);
   ~Filters();

@@ -3,10 +3,10 @@
 // sequence of fma, sums, differences and products, without contraction.
 //
 // A target is seen through patches: a square window of the picture, resampled to P x P pixels, P =
-// 4 N. Planes have N x N entries, one per cell of 4 x 4 pixels. Spectra are planes in the order that
-// the transforms leave them in: transposed, and both frequencies bit-reversed; whatever is done to
-// them is done entry by entry, so that order never matters. A spectrum is its real plane, then its
-// imaginary plane.
+// 4 N. Planes have N x N entries, one per cell of 4 x 4 pixels. Spectra are planes in the order
+// that the transforms leave them in: transposed, and both frequencies bit-reversed; whatever is
+// done to them is done entry by entry, so that order never matters. A spectrum is its real plane,
+// then its imaginary plane.
 #ifndef PARTITA_HOST_TASKS_TRACKING_GOLDEN_H
 #define PARTITA_HOST_TASKS_TRACKING_GOLDEN_H
 
@@ -17,13 +17,13 @@
 
 namespace partita::tracking {
 
-inline constexpr int kCell = 4;            ///< side of a cell, px of the patch
-inline constexpr int kDirections = 9;      ///< unsigned directions, 20 degrees each
-inline constexpr int kBins = 18;           ///< signed directions
-inline constexpr int kChannels = 31;       ///< 18 signed, 9 unsigned, 4 textures
-inline constexpr int kPatchBits = 4;       ///< fractional bits of a patch's grey levels
-inline constexpr int kWindowEntries = 5;   ///< x, y, step x, step y, log2 of the taps
-inline constexpr int kPeakEntries = 6;     ///< value, place, and its four neighbours
+inline constexpr int kCell = 4;           ///< side of a cell, px of the patch
+inline constexpr int kDirections = 9;     ///< unsigned directions, 20 degrees each
+inline constexpr int kBins = 18;          ///< signed directions
+inline constexpr int kChannels = 31;      ///< 18 signed, 9 unsigned, 4 textures
+inline constexpr int kPatchBits = 4;      ///< fractional bits of a patch's grey levels
+inline constexpr int kWindowEntries = 5;  ///< x, y, step x, step y, log2 of the taps
+inline constexpr int kPeakEntries = 6;    ///< value, place, and its four neighbours
 
 /// cos and sin of the nine directions, times 128.
 inline constexpr std::array<int, kDirections> kCosines{128, 120, 98, 64, 22, -22, -64, -98, -120};
@@ -46,13 +46,13 @@ void golden_resample(Picture size, std::span<const std::uint8_t> image,
                      std::span<std::uint16_t> patches);
 
 /// Histograms of gradient directions, [patch][bin][cell]: a pixel votes for the direction on which
-/// its gradient's projection is longest, with that length, in up to four cells (Felzenszwalb et al.,
-/// "Object Detection with Discriminatively Trained Part-Based Models", TPAMI 2010).
+/// its gradient's projection is longest, with that length, in up to four cells (Felzenszwalb et
+/// al., "Object Detection with Discriminatively Trained Part-Based Models", TPAMI 2010).
 void golden_cell_histograms(std::span<const std::uint16_t> patches, int cells,
                             std::span<std::int32_t> histograms);
 
-/// 31 channels, [patch][channel][cell]: histograms normalised by four blocks of 2 x 2 cells, cut off
-/// at 0.2 and summed, as there; times the window `taper` in both directions.
+/// 31 channels, [patch][channel][cell]: histograms normalised by four blocks of 2 x 2 cells, cut
+/// off at 0.2 and summed, as there; times the window `taper` in both directions.
 void golden_cell_features(std::span<const std::int32_t> histograms, std::span<const float> taper,
                           int cells, std::span<float> features);
 
@@ -61,9 +61,9 @@ void golden_spectra(std::span<const float> planes, std::span<const float> twiddl
                     std::span<float> spectra);
 
 /// Spectrum of the Gaussian kernel between each patch and the model of its target, for all shifts:
-/// exp(-(|x|^2 + |z|^2 - 2 x*z) `falloff`), a plane per patch (Henriques et al., "High-Speed Tracking
-/// with Kernelized Correlation Filters", TPAMI 2015, equation 31). Patches of a target follow each
-/// other, `scales` of them; `slots` says where each target's model lies.
+/// exp(-(|x|^2 + |z|^2 - 2 x*z) `falloff`), a plane per patch (Henriques et al., "High-Speed
+/// Tracking with Kernelized Correlation Filters", TPAMI 2015, equation 31). Patches of a target
+/// follow each other, `scales` of them; `slots` says where each target's model lies.
 void golden_correlate(std::span<const float> models, std::span<const float> spectra,
                       std::span<const std::int32_t> slots, std::span<const float> twiddles,
                       int cells, int scales, float falloff, std::span<float> kernels);

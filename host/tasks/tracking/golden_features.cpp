@@ -45,7 +45,8 @@ void golden_resample(Picture size, std::span<const std::uint8_t> image,
         const int y = windows[w + 1] + j * windows[w + 3] - pitch_y * (taps - 1) / 2;
         int sum = 0;
         for (int v = 0; v < taps; ++v) {
-          for (int u = 0; u < taps; ++u) sum += sample(size, image, x + u * pitch_x, y + v * pitch_y);
+          for (int u = 0; u < taps; ++u)
+            sum += sample(size, image, x + u * pitch_x, y + v * pitch_y);
         }
         patches[out++] = static_cast<std::uint16_t>((sum + (taps * taps) / 2) >> (2 * shift));
       }

@@ -15,7 +15,9 @@ constexpr std::uint64_t kTrackBytes = 40;  ///< box, velocity, class, identity, 
 class FrameProgram {
  public:
   FrameProgram(Picture size, const FilterParameters& parameters, const FrameCounts& counts)
-      : size_(size), scales_(parameters.scales), cells_(parameters.template_side / kCell),
+      : size_(size),
+        scales_(parameters.scales),
+        cells_(parameters.template_side / kCell),
         counts_(counts) {}
 
   tasks::Program build() {
@@ -76,7 +78,8 @@ tasks::Program program(int width, int height, const FilterParameters& parameters
 FrameCounts typical_counts(const FilterParameters& parameters) {
   constexpr std::int64_t kTargets = 10;
   constexpr std::int64_t kTaps = 4;
-  const std::int64_t samples = kTargets * kTaps * parameters.template_side * parameters.template_side;
+  const std::int64_t samples =
+      kTargets * kTaps * parameters.template_side * parameters.template_side;
   return {.located = kTargets,
           .locate_samples = samples * parameters.scales,
           .detected = true,

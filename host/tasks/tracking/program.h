@@ -13,7 +13,8 @@ namespace partita::tracking {
 tasks::Program program(int width, int height, const FilterParameters& parameters,
                        const FrameCounts& counts);
 
-/// A frame of a street: ten targets, twenty detections, windows about twice as large as the template.
+/// A frame of a street: ten targets, twenty detections, windows about twice as large as the
+/// template.
 FrameCounts typical_counts(const FilterParameters& parameters);
 
 /// The task with one program per entry of `frames`.

@@ -17,9 +17,9 @@ using runtime::LaunchGeometry;
 using runtime::Shape;
 using runtime::Variant;
 
-constexpr std::uint64_t kBand = 8;         ///< rows of a patch that a CPU work-item resamples
-constexpr std::uint64_t kRootOps = 13;     ///< reciprocal_root: float operations
-constexpr std::uint64_t kEnergyOps = 36;   ///< of a cell: nine sums of two bins, squared and added
+constexpr std::uint64_t kBand = 8;        ///< rows of a patch that a CPU work-item resamples
+constexpr std::uint64_t kRootOps = 13;    ///< reciprocal_root: float operations
+constexpr std::uint64_t kEnergyOps = 36;  ///< of a cell: nine sums of two bins, squared and added
 
 std::uint64_t side_of(const Shape& shape) {
   return kCell * count_of(shape, "cells");
@@ -48,7 +48,8 @@ Work resample_work(Variant variant, const Shape& shape) {
   // Per sample: a place and its fractions, four clamps, three mixtures; per pixel the mean.
   work[OpClass::int_add] = samples * 18 + pixels * 2;
   work[OpClass::int_mul] = samples * 6;
-  work.read_unique = std::min(samples, count_of(shape, "width") * count_of(shape, "height")) + windows;
+  work.read_unique =
+      std::min(samples, count_of(shape, "width") * count_of(shape, "height")) + windows;
   work.written_unique = work.written_issued = pixels * 2;
   switch (variant) {
     case Variant::cpu:
@@ -90,9 +91,10 @@ KernelCase resample_case(const Shape& shape, std::uint32_t seed) {
     window[3] = 8000 + within(60000 << window[4]);
     samples += static_cast<std::int64_t>(side * side) << (2 * window[4]);
   }
-  return {shape.with("samples", samples),
-          {image, windows, HostArray(ElementType::u16, patches * static_cast<std::size_t>(side * side)),
-           number(width), number(height), number(side), number(shape["patches"])}};
+  return {
+      shape.with("samples", samples),
+      {image, windows, HostArray(ElementType::u16, patches * static_cast<std::size_t>(side * side)),
+       number(width), number(height), number(side), number(shape["patches"])}};
 }
 
 KernelSpec make_resample() {
@@ -114,10 +116,9 @@ KernelSpec make_resample() {
                     static_cast<int>(side_of(c.shape)), c.args[2].as<std::uint16_t>());
   };
   spec.small_shapes = {{{"width", 90}, {"height", 50}, {"cells", 16}, {"patches", 1}}};
-  spec.shapes = {
-      {{"width", 1}, {"height", 1}, {"cells", 16}, {"patches", 2}},
-      {{"width", 333}, {"height", 75}, {"cells", 16}, {"patches", 7}, {"taps", 8}},
-      {{"width", 1280}, {"height", 720}, {"cells", 32}, {"patches", 9}, {"taps", 8}}};
+  spec.shapes = {{{"width", 1}, {"height", 1}, {"cells", 16}, {"patches", 2}},
+                 {{"width", 333}, {"height", 75}, {"cells", 16}, {"patches", 7}, {"taps", 8}},
+                 {{"width", 1280}, {"height", 720}, {"cells", 32}, {"patches", 9}, {"taps", 8}}};
   return spec;
 }
 
@@ -198,8 +199,7 @@ KernelSpec make_histograms() {
   spec.geometry = cell_geometry;
   spec.gpu_local_bytes = (36 * 36 + kBins * kTile * kTile) * 4;
   spec.work = histograms_work;
-  spec.design = design({{4096, 16, 4, 2}},
-                       {{OpClass::int_add, 80}, {OpClass::int_mul, 20}}, 24, 2);
+  spec.design = design({{4096, 16, 4, 2}}, {{OpClass::int_add, 80}, {OpClass::int_mul, 20}}, 24, 2);
   spec.make_case = histograms_case;
   spec.golden = [](KernelCase& c) {
     golden_cell_histograms(c.args[0].as<std::uint16_t>(), static_cast<int>(c.shape["cells"]),
@@ -239,12 +239,12 @@ Work features_work(Variant variant, const Shape& shape) {
       work.add_loop(cells * kChannels, 1, static_cast<std::uint32_t>(patches * kChannels * 40));
       break;
   }
-  // Per cell: four norms (four sums, a root), of 18 directions each (a product, a cut, two sums) for
-  // four blocks and two products, of nine likewise with one sum fewer, of four textures.
+  // Per cell: four norms (four sums, a root), of 18 directions each (a product, a cut, two sums)
+  // for four blocks and two products, of nine likewise with one sum fewer, of four textures.
   work[OpClass::float_fma] = energies * 9 + cells * 4 * 3;
   work[OpClass::float_mul] = cells * (4 * 7 + 1 + 18 * 6 + 9 * 6 + 4 * 2);
-  work[OpClass::float_add] = energies * (kEnergyOps - 9) +
-                             cells * (4 * (4 + kRootOps - 10) + 18 * 13 + 9 * 9);
+  work[OpClass::float_add] =
+      energies * (kEnergyOps - 9) + cells * (4 * (4 + kRootOps - 10) + 18 * 13 + 9 * 9);
   if (variant == Variant::fpga) {
     // Bins are converted once, when they come in; the window's product is made for each feature.
     work[OpClass::float_add] -= cells * 18;
@@ -261,24 +261,28 @@ KernelCase features_case(const Shape& shape, std::uint32_t seed) {
     // Small and large ones, up to the largest that there can be.
     value = static_cast<std::int32_t>(random() % (1u << (1 + random() % 22)));
   }
-  return {shape,
-          {histograms,
-           HostArray::of<float>(ElementType::f32,
-                                std::span<const float>(taper_table(static_cast<int>(shape["cells"])))),
-           HostArray(ElementType::f32, cells * kChannels), number(shape["cells"]),
-           number(shape["patches"])}};
+  return {
+      shape,
+      {histograms,
+       HostArray::of<float>(ElementType::f32,
+                            std::span<const float>(taper_table(static_cast<int>(shape["cells"])))),
+       HostArray(ElementType::f32, cells * kChannels), number(shape["cells"]),
+       number(shape["patches"])}};
 }
 
 KernelSpec make_features() {
   KernelSpec spec = tracking_spec("cell_features");
-  spec.args = {{"histograms", Access::in, ElementType::i32}, floats("taper"),
-               floats("features", Access::out), integer("cells"), integer("count")};
+  spec.args = {{"histograms", Access::in, ElementType::i32},
+               floats("taper"),
+               floats("features", Access::out),
+               integer("cells"),
+               integer("count")};
   spec.geometry = cell_geometry;
   spec.gpu_local_bytes = (kTile + 2) * (kTile + 2) * kFloat;
   spec.work = features_work;
-  spec.design = design({{kMaxPlane, 32, kBins, 2}, {kMaxPlane, 32, 8, 2}, {kMaxPlane / 4, 32, 4, 2}},
-                       {{OpClass::float_fma, 21}, {OpClass::float_mul, 46}, {OpClass::float_add, 70}},
-                       32, 2);
+  spec.design =
+      design({{kMaxPlane, 32, kBins, 2}, {kMaxPlane, 32, 8, 2}, {kMaxPlane / 4, 32, 4, 2}},
+             {{OpClass::float_fma, 21}, {OpClass::float_mul, 46}, {OpClass::float_add, 70}}, 32, 2);
   spec.make_case = features_case;
   spec.golden = [](KernelCase& c) {
     golden_cell_features(c.args[0].as<std::int32_t>(), c.args[1].as<float>(),

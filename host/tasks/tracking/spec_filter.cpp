@@ -192,12 +192,13 @@ KernelSpec make_correlate() {
     const std::size_t model = 2 * kChannels * plane_of(shape);
     // Distances of a few: neither all ones nor all zeros.
     const float falloff = 3.0f / static_cast<float>(model);
-    return KernelCase{shape,
-                      {random_floats((targets + 1) * model, -1, 1, random),
-                       random_floats(patches * model, -1, 1, random), slots_for(targets, random),
-                       twiddles_of(shape), HostArray(ElementType::f32, 2 * patches * plane_of(shape)),
-                       number(shape["cells"]), number(shape["scales"]), number(shape["patches"]),
-                       real(falloff * static_cast<float>(plane_of(shape)))}};
+    return KernelCase{
+        shape,
+        {random_floats((targets + 1) * model, -1, 1, random),
+         random_floats(patches * model, -1, 1, random), slots_for(targets, random),
+         twiddles_of(shape), HostArray(ElementType::f32, 2 * patches * plane_of(shape)),
+         number(shape["cells"]), number(shape["scales"]), number(shape["patches"]),
+         real(falloff * static_cast<float>(plane_of(shape)))}};
   };
   spec.golden = [](KernelCase& c) {
     golden_correlate(c.args[0].as<float>(), c.args[1].as<float>(), c.args[2].as<std::int32_t>(),
@@ -221,7 +222,8 @@ Work respond_work(Variant variant, const Shape& shape) {
   add_transforms(work, shape, patches);
   work.read_issued = entries * 2 * kComplex + twiddle_bytes(variant, shape, patches) +
                      patches * 4 * (variant == Variant::gpu ? kPlaneItems : 1);
-  work.read_unique = entries * kComplex + patches / count_of(shape, "scales") * plane_of(shape) * kComplex;
+  work.read_unique =
+      entries * kComplex + patches / count_of(shape, "scales") * plane_of(shape) * kComplex;
   work.written_issued = work.written_unique = patches * kPeakEntries * kFloat;
   if (variant == Variant::gpu) {
     work.local_bytes = transform_local_bytes(shape, patches) + entries * 4 * kFloat;
@@ -257,12 +259,11 @@ KernelSpec make_respond() {
     // The last patch answers the same everywhere: the first place has to be taken.
     const auto last = kernels.as<float>().last(2 * plane_of(shape));
     std::fill(last.begin(), last.end(), 0.0f);
-    return KernelCase{
-        shape,
-        {kernels, random_floats((targets + 1) * 2 * plane_of(shape), -1, 1, random),
-         slots_for(targets, random), twiddles_of(shape),
-         HostArray(ElementType::f32, patches * kPeakEntries), number(shape["cells"]),
-         number(shape["scales"]), number(shape["patches"])}};
+    return KernelCase{shape,
+                      {kernels, random_floats((targets + 1) * 2 * plane_of(shape), -1, 1, random),
+                       slots_for(targets, random), twiddles_of(shape),
+                       HostArray(ElementType::f32, patches * kPeakEntries), number(shape["cells"]),
+                       number(shape["scales"]), number(shape["patches"])}};
   };
   spec.golden = [](KernelCase& c) {
     golden_respond(c.args[0].as<float>(), c.args[1].as<float>(), c.args[2].as<std::int32_t>(),
@@ -376,8 +377,8 @@ const KernelSpec& train_spec() {
 }
 
 std::vector<const KernelSpec*> kernel_specs() {
-  return {&resample_spec(), &cell_histograms_spec(), &cell_features_spec(), &spectra_spec(),
-          &correlate_spec(), &respond_spec(), &train_spec()};
+  return {&resample_spec(),  &cell_histograms_spec(), &cell_features_spec(), &spectra_spec(),
+          &correlate_spec(), &respond_spec(),         &train_spec()};
 }
 
 }  // namespace partita::tracking

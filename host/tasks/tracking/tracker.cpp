@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kSmallestBox = 3;  ///< px
 constexpr double kLeastInside = 0.25;
+constexpr double kWhollyInside = 0.9;  ///< share of a box: found boxes are not exact
 
 void check_range(const char* name, double value, double least, double most) {
   if (value >= least && value <= most) return;  // false for NaN as well
@@ -66,16 +67,18 @@ Tracker::Tracker(const runtime::Session& session, int width, int height,
   check_range("patience", parameters.patience, 0, 1000);
   check_range("least_visible", parameters.least_visible, 0, 1);
   check_range("least_response", parameters.least_response, 0, 1);
+  check_range("collapse", parameters.collapse, 0, 1);
   check_range("inertia", parameters.inertia, 0, 1);
   for (int slot = parameters.capacity - 1; slot >= 0; --slot) free_slots_.push_back(slot);
 }
 
 void Tracker::update(const sensing::GrayImage& image,
-                     std::optional<std::span<const Detection>> detections) {
+                     std::optional<std::span<const Detection>> detections, std::int64_t frame) {
   if (detections) check(*detections);
   ended_.clear();
   refused_ = 0;
   counts_ = {};
+  session_->extension().set_label("tracking", frame);
   filters_.look_at(image);
   follow();
   if (detections) associate(*detections);
@@ -112,15 +115,25 @@ void Tracker::follow() {
     track.velocity_y = inertia * track.velocity_y + (1 - inertia) * way_y;
     track.box = found[i].box;
     track.response = found[i].response;
-    if (visible_share(track.box, width_, height_) < parameters_.least_visible) {
+    if (has_left(track)) {
       end_track(track, End::left_picture);
     } else if (!(track.response >= parameters_.least_response)) {
       end_track(track, End::lost);
     } else {
+      if (visible_share(track.box, width_, height_) >= kWhollyInside) {
+        const double usual = track.usual_response;
+        track.usual_response = usual > 0 ? 0.9 * usual + 0.1 * track.response : track.response;
+      }
       kept.push_back(track);
     }
   }
   tracks_ = std::move(kept);
+}
+
+bool Tracker::has_left(const Track& track) const {
+  const double visible = visible_share(track.box, width_, height_);
+  if (visible < parameters_.least_visible) return true;
+  return visible < kWhollyInside && track.response < parameters_.collapse * track.usual_response;
 }
 
 void Tracker::associate(std::span<const Detection> detections) {
@@ -136,7 +149,8 @@ void Tracker::associate(std::span<const Detection> detections) {
     }
   }
   const auto detection_of = assign(costs, tracks_.size(), detections.size());
-  declare_host_step(*session_, associate_spec(), associate_shape(counts_.tracks, counts_.detections));
+  declare_host_step(*session_, associate_spec(),
+                    associate_shape(counts_.tracks, counts_.detections));
   std::vector<bool> taken(detections.size());
   std::vector<Track> kept;
   for (std::size_t t = 0; t < tracks_.size(); ++t) {

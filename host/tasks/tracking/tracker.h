@@ -5,7 +5,9 @@
 // detections, tracks and detections are put together so that the sum of their overlaps is largest
 // (assignment.h), pairs that overlap too little excluded. A track that got one takes its box, a
 // detection without a track starts one, and a track that has gone without for too many such frames
-// in a row ends. So does one whose target leaves the picture, or whose filter no longer answers.
+// in a row ends. So does one whose filter no longer answers, and one whose target leaves the
+// picture: filters hold on to a picture's edge, so that what tells is a box across the edge whose
+// response collapses, before the box itself is outside.
 #ifndef PARTITA_HOST_TASKS_TRACKING_TRACKER_H
 #define PARTITA_HOST_TASKS_TRACKING_TRACKER_H
 
@@ -28,12 +30,13 @@ struct Detection {
 
 struct TrackerParameters {
   FilterParameters filter;
-  int capacity = 64;             ///< most targets at a time; 1..1024
-  double gate = 0.3;             ///< least overlap of a track with its detection; 0..1
-  double start_score = 0.3;      ///< least score of a detection that starts a track
-  int patience = 3;              ///< frames with detections that a track survives without one; 0..1000
+  int capacity = 64;         ///< most targets at a time; 1..1024
+  double gate = 0.3;         ///< least overlap of a track with its detection; 0..1
+  double start_score = 0.3;  ///< least score of a detection that starts a track
+  int patience = 3;          ///< frames with detections that a track survives without one; 0..1000
   double least_visible = 0.25;   ///< share of a box that has to lie in the picture; 0..1
   double least_response = 0.05;  ///< of a filter that has not lost its target; 0..1
+  double collapse = 0.5;         ///< of the usual response, at the picture's edge; 0..1
   double inertia = 0.5;          ///< share of the old velocity in the new one; 0..1
 };
 
@@ -44,10 +47,11 @@ struct Track {
   int id = 0;  ///< from 1
   Box box;
   int label = 0;
-  double score = 0;     ///< of its last detection
-  double response = 1;  ///< of its filter in this frame
+  double score = 0;           ///< of its last detection
+  double response = 1;        ///< of its filter in this frame
+  double usual_response = 0;  ///< its running mean, while wholly in the picture; 0: not yet
   double velocity_x = 0, velocity_y = 0;  ///< px a frame
-  int misses = 0;       ///< frames with detections since the last one that was its own
+  int misses = 0;  ///< frames with detections since the last one that was its own
   std::int32_t slot = 0;
   bool fresh = true;  ///< made in this frame
 };
@@ -65,9 +69,10 @@ class Tracker {
 
   /// The next frame; `detections` where the detector ran, in any order. Throws Error for a box
   /// that is not of finite numbers, has no area, or lies outside the picture, and for a picture of
-  /// another size. Returns when the device has finished.
+  /// another size. Returns when the device has finished. `frame` is what it is recorded as.
   void update(const sensing::GrayImage& image,
-              std::optional<std::span<const Detection>> detections = std::nullopt);
+              std::optional<std::span<const Detection>> detections = std::nullopt,
+              std::int64_t frame = 0);
 
   const std::vector<Track>& tracks() const { return tracks_; }  ///< alive now, by id
   const std::vector<Ended>& ended() const { return ended_; }    ///< in the last update
@@ -82,6 +87,7 @@ class Tracker {
   void follow();
   void associate(std::span<const Detection> detections);
   void start(const Detection& detection);
+  bool has_left(const Track& track) const;
   void end_track(const Track& track, End why);
   void train();
 

@@ -60,8 +60,8 @@ Located interpret_peaks(const FilterParameters& parameters, const Box& box,
   const double per_cell = window_side(parameters, box, factor) / cells;
   double width = box.width * factor;
   double height = box.height * factor;
-  const bool possible = std::min(width, height) >= kSmallestSide && width <= size.width &&
-                        height <= size.height;
+  const bool possible =
+      std::min(width, height) >= kSmallestSide && width <= size.width && height <= size.height;
   if (!possible) {
     width = box.width;
     height = box.height;

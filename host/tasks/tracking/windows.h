@@ -23,8 +23,8 @@ double window_side(const FilterParameters& parameters, const Box& box, double fa
 /// The window around a box's centre in 16.16, with as many taps as the reduction asks for.
 Window make_window(const FilterParameters& parameters, const Box& box, double factor);
 
-/// The box after its target has been found: of the scales' peaks the best one, refined by parabolas.
-/// `peaks`: kPeakEntries per scale.
+/// The box after its target has been found: of the scales' peaks the best one, refined by
+/// parabolas. `peaks`: kPeakEntries per scale.
 Located interpret_peaks(const FilterParameters& parameters, const Box& box,
                         std::span<const float> peaks, Picture size);
 
