@@ -2,7 +2,7 @@
 // Assumes: as there; cells a multiple of 16, at most MAX_CELLS. CPU variant: a work-item takes a
 // row of cells of a patch, 16 cells at a time.
 #include "tracking/constants.clh"
-#include "tracking/math.clh"
+#include "tracking/math16.clh"
 
 static inline float16 bin_of(__global const int* bins, size_t plane, int o) {
   return convert_float16(vload16(0, bins + (size_t)o * plane));
@@ -40,8 +40,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void cell_features(
       const int cx = 1 + x;
       const int bx = cx + (k & 1) * 2 - 1;
       const int by = (k >> 1) * 2;
-      norm[k] =
-          reciprocal_root_float16(((vload16(0, &energy[1][cx]) + vload16(0, &energy[1][bx])) +
+      norm[k] = reciprocal_root16(((vload16(0, &energy[1][cx]) + vload16(0, &energy[1][bx])) +
                                    (vload16(0, &energy[by][cx]) + vload16(0, &energy[by][bx]))) +
                                   ENERGY_FLOOR);
     }

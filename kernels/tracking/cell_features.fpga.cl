@@ -46,7 +46,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void cell_features(
       for (int k = 0; k < 4; ++k) {
         const int bx = clamp(x + (k & 1) * 2 - 1, 0, cells - 1);
         const int by = clamp(y + (k >> 1) * 2 - 1, 0, cells - 1) * cells;
-        norm[k][cell] = reciprocal_root_float(
+        norm[k][cell] = reciprocal_root(
             ((energy[cell] + energy[y * cells + bx]) + (energy[by + x] + energy[by + bx])) +
             ENERGY_FLOOR);
       }

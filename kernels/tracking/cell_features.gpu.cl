@@ -40,7 +40,7 @@ __kernel __attribute__((reqd_work_group_size(TILE, TILE, 1))) void cell_features
   for (int k = 0; k < 4; ++k) {
     const int bx = (k & 1) * 2 - 1;
     const int by = ((k >> 1) * 2 - 1) * REACH;
-    norm[k] = reciprocal_root_float(((e[0] + e[bx]) + (e[by] + e[bx + by])) + ENERGY_FLOOR);
+    norm[k] = reciprocal_root(((e[0] + e[bx]) + (e[by] + e[bx + by])) + ENERGY_FLOOR);
   }
   const float window = taper[y] * taper[x];
   __global const int* bins = of_patch + y * cells + x;

@@ -59,7 +59,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void correlate(
   for (int i = 0; i < size; i += 16) {
     const float16 distance = fma((float16)(-2.0f), vload16(0, re + i), (float16)(norms));
     const float16 held = distance > 0.0f ? distance : (float16)(0.0f);
-    vstore16(exp_of_minus_float16(held * scale), 0, re + i);
+    vstore16(exp_of_minus16(held * scale), 0, re + i);
     vstore16((float16)(0.0f), 0, im + i);
   }
   forward_plane(re, im, twiddles, cells);

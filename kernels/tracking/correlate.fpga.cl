@@ -48,7 +48,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void correlate(
     PIPELINE(1)
     for (int i = 0; i < size; ++i) {
       const float distance = fma(-2.0f, re[i], norms);
-      re[i] = exp_of_minus_float((distance > 0.0f ? distance : 0.0f) * scale);
+      re[i] = exp_of_minus((distance > 0.0f ? distance : 0.0f) * scale);
       im[i] = 0.0f;
     }
     forward_plane(re, im, table, cells);

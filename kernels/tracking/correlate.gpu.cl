@@ -63,7 +63,7 @@ __kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void correlate(
   const float scale = falloff * (1.0f / (float)size);
   for (int i = (int)get_local_id(0); i < size; i += ITEMS) {
     const float distance = fma(-2.0f, re[i], norms);
-    re[i] = exp_of_minus_float((distance > 0.0f ? distance : 0.0f) * scale);
+    re[i] = exp_of_minus((distance > 0.0f ? distance : 0.0f) * scale);
     im[i] = 0.0f;
   }
   forward_plane(re, im, twiddles, cells);

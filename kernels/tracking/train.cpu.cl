@@ -2,7 +2,7 @@
 // Assumes: as there. CPU variant: a work-item takes a channel of a target, sixteen numbers at a
 // time; that of the first channel does the filter as well.
 #include "tracking/constants.clh"
-#include "tracking/math.clh"
+#include "tracking/math16.clh"
 
 static inline float16 moved(float16 old, float16 target, float rate) {
   return rate < 1.0f ? fma((float16)(rate), target - old, old) : target;
@@ -31,7 +31,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void train(
   for (int i = 0; i < size; i += 16) {
     const float16 kr = vload16(0, kernel_of + i) + regularisation;
     const float16 ki = vload16(0, kernel_of + size + i);
-    const float16 over = reciprocal_float16(fma(ki, ki, kr * kr));
+    const float16 over = reciprocal16(fma(ki, ki, kr * kr));
     const float16 yr = vload16(0, label + i);
     const float16 yi = vload16(0, label + size + i);
     vstore16(moved(vload16(0, filter + i), fma(yi, ki, yr * kr) * over, rate), 0, filter + i);

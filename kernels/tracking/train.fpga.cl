@@ -29,7 +29,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void train(
     for (int i = 0; i < size; ++i) {
       const float kr = kernel_of[i] + regularisation;
       const float ki = kernel_of[i + size];
-      const float over = reciprocal_float(fma(ki, ki, kr * kr));
+      const float over = reciprocal(fma(ki, ki, kr * kr));
       const float yr = label[i];
       const float yi = label[i + size];
       filter[i] = moved(filter[i], fma(yi, ki, yr * kr) * over, rate);

@@ -30,7 +30,7 @@ __kernel __attribute__((reqd_work_group_size(128, 1, 1))) void train(
   __global float* filter = filters + (size_t)slot * 2 * (size_t)size;
   const float kr = kernel_of[i] + regularisation;
   const float ki = kernel_of[i + size];
-  const float over = reciprocal_float(fma(ki, ki, kr * kr));
+  const float over = reciprocal(fma(ki, ki, kr * kr));
   const float yr = label[i];
   const float yi = label[i + size];
   filter[i] = moved(filter[i], fma(yi, ki, yr * kr) * over, rate);
