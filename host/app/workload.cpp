@@ -15,7 +15,7 @@
 #include "host/tasks/fusion/outline.h"
 #include "host/tasks/planning/outline.h"
 #include "host/tasks/sensing/outline.h"
-#include "host/tasks/tracking/outline.h"
+#include "host/tasks/tracking/program.h"
 
 namespace partita::app {
 namespace {
@@ -59,6 +59,12 @@ TaskExport export_depth(const Sensors& sensors, const RunCounts* run) {
   return depth::export_task(sensors.width, sensors.height, parameters, frames);
 }
 
+TaskExport export_tracking(const Sensors& sensors, const RunCounts*) {
+  const tracking::FilterParameters parameters;
+  const tracking::FrameCounts counts = tracking::typical_counts(parameters);
+  return tracking::export_task(sensors.width, sensors.height, parameters, std::span(&counts, 1));
+}
+
 using Exporter = TaskExport (*)(const Sensors&, const RunCounts*);
 
 template <TaskExport (*Outline)(const Sensors&)>
@@ -73,7 +79,7 @@ const std::map<std::string, Exporter>& exporters() {
                                                    {"fusion", outline<fusion::outline>},
                                                    {"depth", export_depth},
                                                    {"detection", outline<detection::outline>},
-                                                   {"tracking", outline<tracking::outline>},
+                                                   {"tracking", export_tracking},
                                                    {"planning", outline<planning::outline>}};
   return all;
 }

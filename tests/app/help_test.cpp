@@ -28,7 +28,8 @@ TEST(Help, EveryCommandHasExamplesAndJson) {
                                              {"bench", "simulate"},
                                              {"bench", "peers"},
                                              {"package"},
-                                             {"generate"}}) {
+                                             {"generate"},
+                                             {"track"}}) {
     std::vector<std::string> words = command;
     words.emplace_back("--help");
     const Outcome outcome = partita(words);
@@ -42,8 +43,9 @@ TEST(Help, EveryCommandHasExamplesAndJson) {
 TEST(Help, TheMainPageListsCommandsAndExitStatuses) {
   const Outcome outcome = partita({"--help"});
   EXPECT_EQ(outcome.status, 0);
-  for (const char* command : {"run", "explore", "diff", "devices", "emulate", "depth", "verify",
-                              "bench", "package", "generate"}) {
+  for (const char* command :
+       {"run", "explore", "diff", "devices", "emulate", "depth", "track", "verify", "bench",
+        "package", "generate"}) {
     EXPECT_THAT(outcome.out, HasSubstr(std::string("\n  ") + command + " "));
   }
   EXPECT_THAT(outcome.out, HasSubstr("Exit status: 0"));

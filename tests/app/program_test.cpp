@@ -3,22 +3,17 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices/timeline/record.h"
 #include "host/app/environment.h"
 #include "host/app/pipeline.h"
 #include "host/app/workload.h"
+#include "tests/app/program_lines.h"
 #include "tests/host/io_temp_folder.h"
 
 namespace partita::app {
 namespace {
-
-using timeline::ActionType;
-using timeline::CommandKind;
-using timeline::RecordedCommand;
 
 /// A few frames of the street. The second one is black, where both tasks give up early; the one
 /// after it is searched for in the wide window.
@@ -43,94 +38,6 @@ class Street : public sensing::FrameSource {
  private:
   std::unique_ptr<sensing::FrameSource> source_;
 };
-
-/// Everything of a Work; the record keeps the geometry apart from it.
-std::string described(const Work& work, const model::Launch& launch) {
-  std::string text = fmt::format("{} [{}] {} {} {} {} {} {}x{}x{}", model::to_string(work.kind),
-                                 fmt::join(work.ops, " "), work.read_issued, work.written_issued,
-                                 work.read_unique, work.written_unique, work.local_bytes,
-                                 launch.groups, launch.group_items, launch.local_bytes);
-  for (std::uint32_t i = 0; i < work.loop_count; ++i) {
-    const WorkLoop& loop = work.loops[i];
-    text += fmt::format(" {}*{}+{}", loop.trips, loop.ii, loop.depth);
-  }
-  return text;
-}
-
-std::string described(const Work& work) {
-  return described(work, {work.groups, work.group_items, work.group_local_bytes});
-}
-
-/// What a thread did, a line each; waiting for the sensors is not the tasks' affair.
-std::vector<std::string> recorded(const timeline::Record& record, const std::string& name) {
-  const timeline::RecordedThread* thread = nullptr;  // the last run's
-  for (const auto& candidate : record.threads) {
-    if (candidate.name == name) thread = &candidate;
-  }
-  std::vector<std::string> lines;
-  if (thread == nullptr) return lines;
-  for (const timeline::Action& action : thread->actions) {
-    if (action.type == ActionType::wait_until) continue;
-    if (action.type != ActionType::command) {
-      lines.push_back(action.type == ActionType::finish ? "finish"
-                      : action.type == ActionType::wait ? "wait"
-                                                        : "something else");
-      continue;
-    }
-    const RecordedCommand& command = record.commands[action.arg];
-    if (command.kind == CommandKind::sensor_input) continue;
-    std::string line = fmt::format("frame {} {} {} {}", command.frame, record.names[command.task],
-                                   timeline::to_string(command.kind), record.names[command.name]);
-    // A copy reads and writes each byte.
-    const std::uint64_t bytes =
-        command.kind == CommandKind::copy ? command.demand.bytes / 2 : command.bytes;
-    if (bytes > 0) line += fmt::format(" {} B", bytes);
-    if (command.work != timeline::kNone) {
-      line += fmt::format(" {}", described(record.works[command.work], command.launch));
-    }
-    lines.push_back(line);
-  }
-  return lines;
-}
-
-/// The same from the programs.
-std::vector<std::string> exported(const partition::TaskWork& task, const RunCounts& counts,
-                                  std::size_t variant) {
-  using partition::StepKind;
-  static constexpr const char* kKinds[] = {"write", "read", "kernel", "copy", "host_step", ""};
-  std::vector<std::string> lines;
-  for (std::size_t k = 0; k < task.frames.size(); ++k) {
-    for (const partition::Step& step : task.frames[k]) {
-      if (step.kind == StepKind::finish) {
-        lines.push_back("finish");
-        continue;
-      }
-      std::string line = fmt::format("frame {} {} {} {}", counts.frames[k].frame, task.name,
-                                     kKinds[static_cast<std::size_t>(step.kind)], step.name);
-      if (step.bytes > 0) line += fmt::format(" {} B", step.bytes);
-      if (step.kind == StepKind::kernel) {
-        line += fmt::format(" {}", described(task.works[step.work][variant]));
-      }
-      if (step.kind == StepKind::host) {
-        line += fmt::format(" {}", described(task.works[step.work][0], {}));
-      }
-      lines.push_back(line);
-      if (step.blocking) lines.push_back("wait");
-    }
-  }
-  return lines;
-}
-
-/// Where two sequences part, for people.
-void expect_same(const std::vector<std::string>& enqueued,
-                 const std::vector<std::string>& program) {
-  const auto [a, b] =
-      std::mismatch(enqueued.begin(), enqueued.end(), program.begin(), program.end());
-  if (a == enqueued.end() && b == program.end()) return;
-  ADD_FAILURE() << "step " << a - enqueued.begin()
-                << "\n  enqueued: " << (a == enqueued.end() ? "nothing" : *a)
-                << "\n  program:  " << (b == program.end() ? "nothing" : *b);
-}
 
 struct Case {
   const char* device;
@@ -171,9 +78,11 @@ TEST_P(Programs, AreWhatTheTasksEnqueue) {
   partition::Pipeline both = partition::load_pipeline("perception", places().profiles);
   resize(both, static_cast<std::uint32_t>(c.width), static_cast<std::uint32_t>(c.height));
   const partition::Workload workload = recorded_workload(both, read);
+  std::vector<std::int64_t> frames;
+  for (const FrameWork& frame : read.frames) frames.push_back(frame.frame);
   const auto variant = static_cast<std::size_t>(pipeline.session(Branch::scene).charged());
-  expect_same(recorded(record, "localization"), exported(workload.tasks[0], read, variant));
-  expect_same(recorded(record, "scene"), exported(workload.tasks[1], read, variant));
+  expect_same(recorded(record, "localization"), exported(workload.tasks[0], frames, variant));
+  expect_same(recorded(record, "scene"), exported(workload.tasks[1], frames, variant));
   EXPECT_TRUE(counts.frames[1].frontend.keypoints_left == 0 &&
               counts.frames[1].depth.views[0].triangles == 0)
       << "the black frame was to end early";
