@@ -1,4 +1,4 @@
-// maxpool, upsample and add (see the GPU's text for what they are).
+// maxpool, upsample_map and add_maps (see the GPU's text for what they are).
 // Assumes: as there.
 // One work-item per row of the result, 16 channels at a time, then single ones.
 #include "detection/activation.clh"
@@ -41,7 +41,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void maxpool(
   clear_border(out + out_offset, y, height, width, height, border, out_row, out_pixel, 0, channels);
 }
 
-__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void upsample(
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void upsample_map(
     __global const float* restrict in, __global float* restrict out, int in_offset, int in_row,
     int in_pixel, int out_offset, int out_row, int out_pixel, int width, int height, int channels,
     int stride, int border) {
@@ -56,7 +56,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void upsample(
   clear_border(out + out_offset, y, height, width, height, border, out_row, out_pixel, 0, channels);
 }
 
-__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void add(
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void add_maps(
     __global const float* restrict a, __global const float* restrict b, __global float* restrict out,
     int a_offset, int a_row, int a_pixel, int b_offset, int b_row, int b_pixel, int out_offset,
     int out_row, int out_pixel, int width, int height, int channels, int border, float slope,

@@ -1,8 +1,8 @@
-// maxpool, upsample and add on feature maps.
-//   maxpool   the largest number of each window, of the pixels that lie inside the map; windows start
-//             `before` pixels outside
-//   upsample  each pixel `stride` times in both directions; with 1 a copy
-//   add       act(a + b), for shortcuts that no convolution takes along
+// maxpool, upsample_map and add_maps on feature maps.
+//   maxpool       the largest number of each window, of the pixels that lie inside the map; windows start
+//                 `before` pixels outside
+//   upsample_map  each pixel `stride` times in both directions; with 1 a copy
+//   add_maps      act(a + b), for shortcuts that no convolution takes along
 // Assumes: `border` pixels around `out` are zeroed; width, height: of the result.
 // One work-item per number, channels next to each other.
 #include "detection/activation.clh"
@@ -36,7 +36,7 @@ __kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void maxpool(
                        out_pixel, channels);
 }
 
-__kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void upsample(
+__kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void upsample_map(
     __global const float* restrict in, __global float* restrict out, int in_offset, int in_row,
     int in_pixel, int out_offset, int out_row, int out_pixel, int width, int height, int channels,
     int stride, int border) {
@@ -52,7 +52,7 @@ __kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void upsample(
                        out_pixel, channels);
 }
 
-__kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void add(
+__kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void add_maps(
     __global const float* restrict a, __global const float* restrict b, __global float* restrict out,
     int a_offset, int a_row, int a_pixel, int b_offset, int b_row, int b_pixel, int out_offset,
     int out_row, int out_pixel, int width, int height, int channels, int border, float slope,
