@@ -9,6 +9,7 @@
 
 #include "host/io/darknet.h"
 #include "host/runtime/session.h"
+#include "host/tasks/detection/plan.h"
 
 namespace partita::detection {
 
@@ -37,10 +38,12 @@ class DarknetNetwork {
   DarknetNetwork& operator=(DarknetNetwork&&) noexcept;
 
   const io::darknet::Model& model() const;
+  const Plan& plan() const;
 
-  /// `picture`: [y][x][red, green, blue], 0 to 1, of the size of model().input. The scales come in
+  /// `picture`: [y][x][red, green, blue], 0 to 1, of the size of model().input; `frame` labels
+  /// what is recorded. The scales come in
   /// the order of their layers; they stay valid until the next call.
-  const std::vector<RawOutput>& run(std::span<const float> picture);
+  const std::vector<RawOutput>& run(std::span<const float> picture, std::int64_t frame = 0);
 
   /// Compiles what the device compiles at the first launch.
   void warm_up();
