@@ -13,9 +13,9 @@
 // window to the next one's. Where a window's row is contiguous, `runs` is 1 and `length` spans it.
 #define DEFINE_TILE(NAME, MR, VECTOR, WIDTH, NV)                                                   \
   static inline __attribute__((always_inline)) void NAME(                                          \
-      __global const float* restrict p, __global const float* restrict w,                          \
-      __global const float* restrict bias, __global const float* restrict residual,                \
-      __global float* restrict out, int in_row, int in_pixel, int step, int size, int runs,        \
+      __global const float* p, __global const float* w,                          \
+      __global const float* bias, __global const float* residual,                \
+      __global float* out, int in_row, int in_pixel, int step, int size, int runs,        \
       int length, int residual_pixel, int out_pixel, int valid, float slope, int activation) {     \
     VECTOR acc[MR][NV];                                                                            \
     UNROLLED(MR) for (int m = 0; m < MR; ++m) {                                                    \

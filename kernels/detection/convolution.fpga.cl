@@ -2,7 +2,8 @@
 // Assumes: as there.
 // 13 pixels x 32 channels of multiply-add units. A unit's sum is due again only after the other tiles of
 // its group of ten have had their turn, ten cycles, which is what a multiply-add takes: II = 1. Pixels
-// and weights of 128 steps of the chain are on the chip; the next ones come in meanwhile.
+// and weights of 128 steps of the chain are on the chip; the next ones come in meanwhile. Curves share three
+// multiply-add units: II = 6.
 #include "common/fpga.clh"
 #include "detection/activation.clh"
 #include "detection/tensor.clh"
@@ -81,9 +82,13 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void convolution(
           __global const float* res =
               residual + residual_offset + y * residual_row + (x0 + m) * residual_pixel + first;
           __global float* o = out + out_offset + y * out_row + (x0 + m) * out_pixel + first;
+          if (activation >= CURVE_RELU6) {
+            PIPELINE(6)
+            for (int c = 0; c < lanes; ++c) acc[t][m][c] = curve_of(acc[t][m][c], activation);
+          }
           PIPELINE(1)
           for (int c = 0; c < min(lanes, outputs - first); ++c) {
-            const float v = activate(acc[t][m][c], slope, activation);
+            const float v = activate_line(acc[t][m][c], slope);
             o[c] = residual_pixel != 0 ? v + res[c] : v;
           }
         }

@@ -19,9 +19,9 @@
 // A group's tile, CH channels per work-item.
 #define DEFINE_TILE(NAME, CH)                                                                      \
   static inline __attribute__((always_inline)) void NAME(                                          \
-      __local float* pixels, __local float* channels, __global const float* restrict in,           \
-      __global const float* restrict weights, __global const float* restrict bias,                 \
-      __global const float* restrict residual, __global float* restrict out, int in_row,           \
+      __local float* pixels, __local float* channels, __global const float* in,           \
+      __global const float* weights, __global const float* bias,                 \
+      __global const float* residual, __global float* out, int in_row,           \
       int in_pixel, int residual_row, int residual_pixel, int out_row, int out_pixel, int width,   \
       int height, int inputs, int outputs, int size, int stride, int lanes, int border,            \
       float slope, int activation) {                                                               \

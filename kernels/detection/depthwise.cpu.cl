@@ -17,8 +17,8 @@
 // A row of one vector of channels, for a window of SIDE x SIDE.
 #define DEFINE_ROW(NAME, SIDE, VECTOR, WIDTH)                                                      \
   static inline __attribute__((always_inline)) void NAME(                                          \
-      __global const float* restrict in, __global const float* restrict weights, VECTOR start,     \
-      __global const float* restrict residual, __global float* restrict out, int channels,         \
+      __global const float* in, __global const float* weights, VECTOR start,     \
+      __global const float* residual, __global float* out, int channels,         \
       int in_row, int in_pixel, int step, int residual_pixel, int out_pixel, int width,            \
       float slope) {                                                                               \
     VECTOR w[SIDE * SIDE];                                                                         \

@@ -1,7 +1,8 @@
 // Depthwise convolution (see the GPU's text for what it is).
 // Assumes: as there.
 // 64 channels of a pixel at a time, eight multiply-add units: a channel's sum is due again after eight
-// cycles, which is what a multiply-add takes here: II = 1. The window's weights are on the chip.
+// cycles, which is what a multiply-add takes here: II = 1. The window's weights are on the chip. Curves share three
+// multiply-add units: II = 6.
 #include "common/fpga.clh"
 #include "detection/activation.clh"
 #include "detection/tensor.clh"
@@ -46,9 +47,13 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void depthwise(
         __global const float* res =
             residual + residual_offset + y * residual_row + x * residual_pixel + first;
         __global float* o = out + out_offset + y * out_row + x * out_pixel + first;
+        if (activation >= CURVE_RELU6) {
+          PIPELINE(6)
+          for (int c = 0; c < n; ++c) acc[c] = curve_of(acc[c], activation);
+        }
         PIPELINE(1)
         for (int c = 0; c < n; ++c) {
-          const float v = activate(acc[c], slope, activation);
+          const float v = activate_line(acc[c], slope);
           o[c] = residual_pixel != 0 ? v + res[c] : v;
         }
       }

@@ -1,7 +1,7 @@
 // maxpool, upsample_map and add_maps (see the GPU's text for what they are).
 // Assumes: as there.
 // Pixel by pixel, channels streaming. The largest numbers so far of 64 channels are on the chip; nothing
-// else is carried between iterations: II = 1.
+// else is carried between iterations: II = 1. Curves share three multiply-add units: II = 6.
 #include "common/fpga.clh"
 #include "detection/activation.clh"
 #include "detection/tensor.clh"
@@ -64,8 +64,13 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void add_maps(
       __global const float* p = a + a_offset + y * a_row + x * a_pixel;
       __global const float* q = b + b_offset + y * b_row + x * b_pixel;
       __global float* o = out + out_offset + y * out_row + x * out_pixel;
-      PIPELINE(1)
-      for (int c = 0; c < channels; ++c) o[c] = activate(p[c] + q[c], slope, activation);
+      if (activation >= CURVE_RELU6) {
+        PIPELINE(6)
+        for (int c = 0; c < channels; ++c) o[c] = curve_of(p[c] + q[c], activation);
+      } else {
+        PIPELINE(1)
+        for (int c = 0; c < channels; ++c) o[c] = activate_line(p[c] + q[c], slope);
+      }
     }
   }
   clear_border(out + out_offset, 0, 1, width, height, border, out_row, out_pixel, 0, channels);

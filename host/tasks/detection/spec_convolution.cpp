@@ -92,14 +92,13 @@ Work convolution_work(Variant variant, const Shape& shape) {
                         groups * s.blocks * s.chain * s.lanes + residual) *
                        kFloat;
     // A step of the chain for one tile per clock; a group's last step leaves the units 60 cycles
-    // later. A group of few tiles waits for its own sums, ten cycles a step. Pixels and weights of
-    // the next chunk come in meanwhile, through four ports of 16 bytes: 130 pixels and 32 weights a
-    // step of ten cycles.
-    work.add_loop(groups * s.blocks * s.chain * std::min(kFpgaTiles, std::max<std::uint64_t>(
-                                                                         tiles, kFpgaTiles)),
-                  1, static_cast<std::uint32_t>(std::min<std::uint64_t>(
-                         groups * s.blocks * ceil_div(s.chain, kFpgaChunk) * 60, 1U << 30)));
-    work.add_loop(s.pixels * s.blocks * s.lanes, 1, 100);  // results, one a cycle
+    // later. A group of fewer than ten tiles waits for its own sums all the same. Pixels and weights
+    // of the next chunk come in meanwhile, through four ports of 16 bytes: 130 pixels and 32 weights
+    // a step of ten cycles.
+    const std::uint64_t chunks = groups * s.blocks * ceil_div(s.chain, kFpgaChunk);
+    work.add_loop(groups * s.blocks * s.chain * kFpgaTiles, 1,
+                  static_cast<std::uint32_t>(std::min<std::uint64_t>(chunks * 60, 1U << 30)));
+    add_result_loops(work, s.pixels * s.blocks * s.lanes, shape);
   }
   add_activation(work, computed, shape);
   if (residual > 0) work[OpClass::float_add] += computed;
@@ -221,10 +220,8 @@ KernelSpec make_convolution() {
   spec.design.buffers[1] = {2 * kFpgaChunk, 32, kFpgaChannels, 2};
   spec.design.buffers[2] = {kFpgaTiles, 32, kFpgaPixels * kFpgaChannels, 2};
   spec.design.buffer_count = 3;
-  spec.design.operators[static_cast<std::size_t>(OpClass::float_fma)] =
-      kFpgaPixels * kFpgaChannels + 18;
-  spec.design.operators[static_cast<std::size_t>(OpClass::float_mul)] = 3;
-  spec.design.operators[static_cast<std::size_t>(OpClass::float_add)] = 4;
+  spec.design.operators[static_cast<std::size_t>(OpClass::float_fma)] = kFpgaPixels * kFpgaChannels;
+  add_result_operators(spec.design);
   spec.design.memory_ports = 4;
   spec.make_case = convolution_case;
   spec.golden = convolution_golden;
@@ -262,7 +259,7 @@ Work depthwise_work(Variant variant, const Shape& shape) {
     const std::uint64_t rows = u64(shape["height"]);
     work.read_issued = (results * taps + rows * channels * (taps + 1) + residual) * kFloat;
     const bool plain = shape["size"] != 3 && shape["size"] != 5;
-    if (plain || shape["activation"] >= static_cast<int>(Activation::relu6)) {
+    if (plain || is_curve(shape)) {
       work.read_issued = (results * (2 * taps + 1) + residual) * kFloat;
     }
   } else {
@@ -270,7 +267,7 @@ Work depthwise_work(Variant variant, const Shape& shape) {
     // Eight channels of a tap per clock; sums are due again after eight. Then the results.
     const std::uint64_t pixels = u64(shape["width"] * shape["height"]);
     work.add_loop(pixels * taps * ceil_div(channels, 8), 1, 60);
-    work.add_loop(results, 1, 100);
+    add_result_loops(work, results, shape);
   }
   add_activation(work, results, shape);
   work[OpClass::float_add] += residual;
@@ -322,9 +319,8 @@ KernelSpec make_depthwise() {
   spec.design.buffers[0] = {121 * 64 / 8, 32, 8, 2};
   spec.design.buffers[1] = {8, 32, 16, 2};
   spec.design.buffer_count = 2;
-  spec.design.operators[static_cast<std::size_t>(OpClass::float_fma)] = 8 + 18;
-  spec.design.operators[static_cast<std::size_t>(OpClass::float_mul)] = 3;
-  spec.design.operators[static_cast<std::size_t>(OpClass::float_add)] = 4;
+  spec.design.operators[static_cast<std::size_t>(OpClass::float_fma)] = 8;
+  add_result_operators(spec.design);
   spec.design.memory_ports = 2;
   spec.make_case = depthwise_case;
   spec.golden = depthwise_golden;

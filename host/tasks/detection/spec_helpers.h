@@ -130,6 +130,23 @@ inline void add_activation(Work& work, std::uint64_t numbers, const runtime::Sha
   }
 }
 
+inline bool is_curve(const runtime::Shape& shape) {
+  return shape["activation"] >= static_cast<int>(io::darknet::Activation::relu6);
+}
+
+/// FPGA: results leave one a clock; curves, on three multiply-add units, one every six before.
+inline void add_result_loops(Work& work, std::uint64_t results, const runtime::Shape& shape) {
+  if (is_curve(shape)) work.add_loop(results, 6, 100);
+  work.add_loop(results, 1, 40);
+}
+
+/// What those take.
+inline void add_result_operators(FpgaDesign& design) {
+  design.operators[static_cast<std::size_t>(OpClass::float_fma)] += 3;
+  design.operators[static_cast<std::size_t>(OpClass::float_mul)] += 2;
+  design.operators[static_cast<std::size_t>(OpClass::float_add)] += 3;
+}
+
 /// One work-item per number in groups of 64 on the GPU, one per row on the CPU.
 inline runtime::LaunchGeometry map_geometry(runtime::Variant variant, std::uint64_t height,
                                             std::uint64_t numbers) {

@@ -1,4 +1,6 @@
 // Specs of maxpool, upsample and add.
+#include <algorithm>
+
 #include "host/tasks/detection/golden.h"
 #include "host/tasks/detection/kernels.h"
 #include "host/tasks/detection/spec_helpers.h"
@@ -185,12 +187,10 @@ KernelSpec make_add() {
     work[OpClass::float_add] = numbers;
     add_activation(work, numbers, s);
     work.read_issued = work.read_unique = 2 * numbers * kFloat;
-    if (variant == Variant::fpga) work.add_loop(numbers, 1, 80);
+    if (variant == Variant::fpga) work.add_loop(numbers, is_curve(s) ? 6 : 1, 100);
     return work;
   };
-  spec.design.operators[static_cast<std::size_t>(OpClass::float_fma)] = 18;
-  spec.design.operators[static_cast<std::size_t>(OpClass::float_mul)] = 3;
-  spec.design.operators[static_cast<std::size_t>(OpClass::float_add)] = 4;
+  add_result_operators(spec.design);
   spec.design.memory_ports = 3;
   const auto input = [](const Shape& s, int border) {
     return case_map(entry(s, "width"), entry(s, "height"), entry(s, "channels"), border);
