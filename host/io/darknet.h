@@ -41,9 +41,10 @@ inline constexpr int kPicture = -1;
 
 struct Layer {
   LayerKind kind = LayerKind::convolutional;
-  std::size_t line = 0;     ///< of the section in the .cfg
-  std::vector<int> inputs;  ///< layers that it reads, or kPicture; a shortcut's own predecessor first
-  Extent in, out;           ///< `in` of the first input
+  std::size_t line = 0;  ///< of the section in the .cfg
+  std::vector<int>
+      inputs;      ///< layers that it reads, or kPicture; a shortcut's own predecessor first
+  Extent in, out;  ///< `in` of the first input
   int size = 1, stride = 1, pad = 0;  ///< convolutional; maxpool: `pad` before plus after
   int groups = 1;                     ///< convolutional, route
   int group_id = 0;                   ///< route

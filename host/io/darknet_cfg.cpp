@@ -74,7 +74,8 @@ class Reader {
     section.expect_all_read();
     const std::int64_t numbers = std::int64_t{layer.out.width} * layer.out.height;
     if (numbers * layer.out.channels > kMostNumbers) {
-      section.fail(fmt::format("{} numbers, expected at most {}", to_text(layer.out), kMostNumbers));
+      section.fail(
+          fmt::format("{} numbers, expected at most {}", to_text(layer.out), kMostNumbers));
     }
     model_.layers.push_back(std::move(layer));
   }
@@ -94,8 +95,7 @@ class Reader {
     for (const auto& [name, activation] : kActivations) {
       if (name == word) return activation;
     }
-    section.fail("activation",
-                 "expected linear, leaky, relu, relu6, logistic, swish or mish");
+    section.fail("activation", "expected linear, leaky, relu, relu6, logistic, swish or mish");
   }
 
   const Extent& extent_of(int layer) const {
@@ -105,8 +105,8 @@ class Reader {
   static int side_after(Section& section, int side, const Layer& layer, int padding) {
     const int room = side + padding - layer.size;
     if (room < 0) {
-      section.fail(fmt::format("a window of {} does not fit an input of {}", layer.size,
-                               to_text(layer.in)));
+      section.fail(
+          fmt::format("a window of {} does not fit an input of {}", layer.size, to_text(layer.in)));
     }
     return room / layer.stride + 1;
   }
@@ -156,7 +156,8 @@ class Reader {
     const int layer = named < 0 ? here + named : named;
     if (layer < 0 || layer >= here) {
       section.fail(key, fmt::format("this is layer {}: expected layers from 0 to {}, or from -{} "
-                                    "to -1", here, here - 1, here));
+                                    "to -1",
+                                    here, here - 1, here));
     }
     return layer;
   }
@@ -175,12 +176,12 @@ class Reader {
       const Extent& e = extent_of(input);
       if (e.width != layer.in.width || e.height != layer.in.height) {
         section.fail("layers", fmt::format("layer {} is {} and layer {} is {}: they cannot be "
-                                           "joined", layer.inputs[0], to_text(layer.in), input,
-                                           to_text(e)));
+                                           "joined",
+                                           layer.inputs[0], to_text(layer.in), input, to_text(e)));
       }
       if (e.channels % layer.groups != 0) {
-        section.fail("groups", fmt::format("does not divide the {} channels of layer {}",
-                                           e.channels, input));
+        section.fail("groups",
+                     fmt::format("does not divide the {} channels of layer {}", e.channels, input));
       }
       layer.out.channels += e.channels / layer.groups;
       if (layer.out.channels > kMostChannels) {
@@ -209,8 +210,8 @@ class Reader {
     const int count = section.integer("num", 1, 1, kMostAnchors);
     const std::vector<float> sides = section.reals("anchors", 0.01F, 1e6F);
     if (sides.size() != 2 * static_cast<std::size_t>(count)) {
-      section.fail("anchors", fmt::format("{} numbers, expected 2 for each of num={}",
-                                          sides.size(), count));
+      section.fail("anchors",
+                   fmt::format("{} numbers, expected 2 for each of num={}", sides.size(), count));
     }
     for (std::size_t i = 0; i < sides.size(); i += 2) y.anchors.push_back({sides[i], sides[i + 1]});
     y.mask = section.integers("mask", 0, count - 1);
@@ -219,14 +220,33 @@ class Reader {
     if (section.integer("new_coords", 0, 0, 1) != 0) {
       section.fail("new_coords", "boxes in this form are not supported, expected 0");
     }
-    section.ignore({"ignore_thresh", "truth_thresh", "jitter", "random", "iou_loss", "iou_thresh",
-                    "cls_normalizer", "iou_normalizer", "obj_normalizer", "delta_normalizer",
-                    "max_delta", "nms_kind", "beta_nms", "resize", "label_smooth_eps", "focal_loss",
-                    "counters_per_class", "objectness_smooth", "max", "map", "scale_x_y"});
+    section.ignore({"ignore_thresh",
+                    "truth_thresh",
+                    "jitter",
+                    "random",
+                    "iou_loss",
+                    "iou_thresh",
+                    "cls_normalizer",
+                    "iou_normalizer",
+                    "obj_normalizer",
+                    "delta_normalizer",
+                    "max_delta",
+                    "nms_kind",
+                    "beta_nms",
+                    "resize",
+                    "label_smooth_eps",
+                    "focal_loss",
+                    "counters_per_class",
+                    "objectness_smooth",
+                    "max",
+                    "map",
+                    "scale_x_y"});
     const auto wanted = static_cast<std::int64_t>(y.mask.size()) * (5 + y.classes);
     if (wanted != layer.in.channels) {
-      section.fail(fmt::format("{} channels come in, expected {}: (4 + 1 + {} classes) for each of "
-                               "{} anchors", layer.in.channels, wanted, y.classes, y.mask.size()));
+      section.fail(
+          fmt::format("{} channels come in, expected {}: (4 + 1 + {} classes) for each of "
+                      "{} anchors",
+                      layer.in.channels, wanted, y.classes, y.mask.size()));
     }
     layer.out = layer.in;
   }
@@ -239,12 +259,38 @@ void read_net(Section& net, Model& model, std::optional<int> side) {
   model.input.height = net.required_integer("height", 1, kLargestSide);
   model.input.channels = net.integer("channels", 3, 1, 16);
   if (side) model.input.width = model.input.height = *side;
-  net.ignore({"batch", "subdivisions", "momentum", "decay", "angle", "saturation", "exposure",
-              "hue", "learning_rate", "burn_in", "max_batches", "policy", "steps", "scales",
-              "mosaic", "mixup", "cutmix", "flip", "letter_box", "power", "ema_alpha", "max_crop",
-              "min_crop", "optimized_memory", "workspace_size_limit_MB", "blur", "adam",
-              "weights_reject_freq", "equidistant_point", "num_sigmas_reject_badlabels",
-              "badlabels_rejection_percentage", "resize_step"});
+  net.ignore({"batch",
+              "subdivisions",
+              "momentum",
+              "decay",
+              "angle",
+              "saturation",
+              "exposure",
+              "hue",
+              "learning_rate",
+              "burn_in",
+              "max_batches",
+              "policy",
+              "steps",
+              "scales",
+              "mosaic",
+              "mixup",
+              "cutmix",
+              "flip",
+              "letter_box",
+              "power",
+              "ema_alpha",
+              "max_crop",
+              "min_crop",
+              "optimized_memory",
+              "workspace_size_limit_MB",
+              "blur",
+              "adam",
+              "weights_reject_freq",
+              "equidistant_point",
+              "num_sigmas_reject_badlabels",
+              "badlabels_rejection_percentage",
+              "resize_step"});
   net.expect_all_read();
 }
 

@@ -116,7 +116,8 @@ std::vector<float> Section::reals(const std::string& key, float least, float mos
 
 void Section::ignore(std::initializer_list<const char*> keys) {
   for (const char* key : keys) {
-    if (const auto option = options_.find(key); option != options_.end()) option->second.read = true;
+    if (const auto option = options_.find(key); option != options_.end())
+      option->second.read = true;
   }
 }
 

@@ -28,8 +28,8 @@ std::size_t header_bytes(std::string_view bytes, const std::string& path) {
   }
   const std::int32_t major = integer_at(bytes, 0), minor = integer_at(bytes, 4);
   if (major < 0 || minor < 0 || major > 1000 || minor > 1000) {
-    throw Error(fmt::format("{}: version {}.{}, expected that of a .weights file", path, major,
-                            minor));
+    throw Error(
+        fmt::format("{}: version {}.{}, expected that of a .weights file", path, major, minor));
   }
   return kVersionBytes + (major * 10 + minor >= 2 ? 8 : 4);
 }
@@ -52,7 +52,8 @@ Counts counts_of(const Layer& layer) {
 
 class NumberReader {
  public:
-  NumberReader(std::string_view bytes, std::string where) : bytes_(bytes), path_(std::move(where)) {}
+  NumberReader(std::string_view bytes, std::string where)
+      : bytes_(bytes), path_(std::move(where)) {}
 
   std::vector<float> take(std::size_t count, std::size_t layer, const char* what) {
     std::vector<float> values(count);
@@ -82,9 +83,10 @@ void check_size(std::size_t floats, std::size_t rest, const std::string& path, c
     }
   }
   if (expected < floats || rest != 0) {
-    throw Error(fmt::format("{}: {} bytes more than the {} numbers of {}: weights of another "
-                            "network", path, (floats - expected) * sizeof(float) + rest, expected,
-                            model.path));
+    throw Error(
+        fmt::format("{}: {} bytes more than the {} numbers of {}: weights of another "
+                    "network",
+                    path, (floats - expected) * sizeof(float) + rest, expected, model.path));
   }
 }
 
@@ -110,8 +112,8 @@ Weights parse_weights(std::string_view bytes, const std::string& path, const Mod
       const auto negative = std::find_if(layer.variances.begin(), layer.variances.end(),
                                          [](float v) { return v < 0; });
       if (negative != layer.variances.end()) {
-        throw Error(fmt::format("{}: layer {}: variance {} is {}, expected no negative number", path,
-                                i, negative - layer.variances.begin(), *negative));
+        throw Error(fmt::format("{}: layer {}: variance {} is {}, expected no negative number",
+                                path, i, negative - layer.variances.begin(), *negative));
       }
     }
     layer.weights = reader.take(count.weights, i, "weight");

@@ -1,7 +1,6 @@
-// Whole networks on the first OpenCV device that takes source, against OpenCV's dnn.
-#include <chrono>
+// Whole networks on the first OpenCL device that takes source, against OpenCV's dnn.
 #include <cmath>
-#include <cstdlib>
+#include <regex>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,6 +9,7 @@
 #include "host/runtime/device.h"
 #include "host/tasks/detection/darknet_network.h"
 #include "host/tasks/detection/kernels.h"
+#include "tests/host/darknet_networks.h"
 #include "tests/host/detection_reference.h"
 #include "tests/host/io_temp_folder.h"
 
@@ -76,15 +76,9 @@ double difference(const RawOutput& got, const cv::Mat& expected) {
   return largest / std::sqrt(squares / static_cast<double>(got.values.size()));
 }
 
-class Networks : public ::testing::TestWithParam<TestNetwork> {};
-
-TEST_P(Networks, GiveOpenCvsNumbers) {
-  const std::string data = testing::data_folder();
-  if (data.empty()) GTEST_SKIP() << "PARTITA_DATA names no folder of real data";
-  const LoadedNetwork network = load(GetParam(), data);
+void expect_opencvs_numbers(const LoadedNetwork& network) {
   const std::vector<float> picture = testing::test_picture(network.model.input);
   const std::vector<cv::Mat> expected = Reference(network).run(picture, network.model.input);
-
   const Session session = session_of(Variant::cpu);
   DarknetNetwork ours(session, network.model, network.weights);
   const std::vector<RawOutput> outputs = ours.run(picture);
@@ -98,6 +92,50 @@ TEST_P(Networks, GiveOpenCvsNumbers) {
   }
   // Memory is shared, and a second run finds nothing of the first.
   EXPECT_EQ(ours.run(picture)[0].values, outputs[0].values);
+}
+
+LoadedNetwork every_layer(const char* relu6) {
+  LoadedNetwork network;
+  network.cfg_text = std::regex_replace(testing::kEveryLayerCfg, std::regex("relu6"), relu6);
+  network.model = io::darknet::parse_cfg(network.cfg_text, "net.cfg");
+  network.weights = io::darknet::random_weights(network.model, 1);
+  network.weight_bytes = io::darknet::format_weights(network.weights);
+  return network;
+}
+
+/// OpenCV 4.6 does not know relu6 in a .cfg.
+TEST(Network, OfEveryLayerGivesOpenCvsNumbers) {
+  expect_opencvs_numbers(every_layer("relu"));
+}
+
+TEST(Network, GivesTheSameBytesInEveryVariant) {
+  const LoadedNetwork network = every_layer("relu6");
+  const std::vector<float> picture = testing::test_picture(network.model.input);
+  std::vector<std::vector<float>> first;
+  for (const Variant variant : runtime::kVariants) {
+    const Session session = session_of(variant);
+    DarknetNetwork ours(session, network.model, network.weights);
+    std::vector<std::vector<float>> values;
+    for (const RawOutput& out : ours.run(picture)) values.push_back(out.values);
+    if (first.empty()) first = values;
+    EXPECT_EQ(values, first) << to_string(variant);
+  }
+}
+
+TEST(Network, RefusesAPictureOfAnotherSize) {
+  const LoadedNetwork network = every_layer("relu6");
+  const Session session = session_of(Variant::cpu);
+  DarknetNetwork ours(session, network.model, network.weights);
+  EXPECT_EQ(testing::error_of([&] { ours.run(std::vector<float>(12)); }),
+            "net.cfg: a picture of 12 numbers, expected 52 x 36 x 3");
+}
+
+class Networks : public ::testing::TestWithParam<TestNetwork> {};
+
+TEST_P(Networks, GiveOpenCvsNumbers) {
+  const std::string data = testing::data_folder();
+  if (data.empty()) GTEST_SKIP() << "PARTITA_DATA names no folder of real data";
+  expect_opencvs_numbers(load(GetParam(), data));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Networks, ::testing::ValuesIn(testing::test_networks()),

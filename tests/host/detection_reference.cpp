@@ -39,8 +39,7 @@ LoadedNetwork load(const TestNetwork& network, const std::string& data_folder) {
   loaded.model = io::darknet::parse_cfg(loaded.cfg_text, network.cfg);
   if (*network.weights != '\0') {
     loaded.weight_bytes = io::read_file(folder + network.weights);
-    loaded.weights =
-        io::darknet::parse_weights(loaded.weight_bytes, network.weights, loaded.model);
+    loaded.weights = io::darknet::parse_weights(loaded.weight_bytes, network.weights, loaded.model);
   } else {
     loaded.weights = io::darknet::random_weights(loaded.model, 1);
     loaded.weight_bytes = io::darknet::format_weights(loaded.weights);

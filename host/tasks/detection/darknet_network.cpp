@@ -116,8 +116,7 @@ DarknetNetwork::Impl::Impl(const Session& s, Model m, const Weights& weights)
 }
 
 cl::Buffer DarknetNetwork::Impl::upload(const std::vector<float>& numbers) {
-  const cl::Buffer buffer =
-      session->make_buffer(numbers.size() * sizeof(float), CL_MEM_READ_ONLY);
+  const cl::Buffer buffer = session->make_buffer(numbers.size() * sizeof(float), CL_MEM_READ_ONLY);
   session->write(buffer, std::as_bytes(std::span(numbers)));
   session->finish();  // `numbers` may die
   weight_bytes += numbers.size() * sizeof(float);
@@ -129,10 +128,9 @@ void DarknetNetwork::Impl::prepare_convolution(const PlannedStep& step, const We
                                                Arguments arguments) {
   const Layer& layer = model.layers[step.layer];
   const bool depthwise = step.kernel == StepKernel::depthwise;
-  const PackedWeights packed =
-      depthwise ? pack_depthwise(layer, weights[step.layer])
-                : pack_convolution(layer, weights[step.layer], step.group,
-                                   static_cast<int>(step.shape["lanes"]));
+  const PackedWeights packed = depthwise ? pack_depthwise(layer, weights[step.layer])
+                                         : pack_convolution(layer, weights[step.layer], step.group,
+                                                            static_cast<int>(step.shape["lanes"]));
   arguments.buffer(memory_of(step.in));
   arguments.buffer(upload(packed.weights));
   arguments.buffer(upload(packed.bias));
@@ -144,8 +142,8 @@ void DarknetNetwork::Impl::prepare_convolution(const PlannedStep& step, const We
   if (depthwise) {
     arguments.entries(step.shape, {"width", "height", "channels", "size", "stride", "border"});
   } else {
-    arguments.entries(step.shape, {"width", "height", "inputs", "outputs", "size", "stride",
-                                   "lanes", "border"});
+    arguments.entries(
+        step.shape, {"width", "height", "inputs", "outputs", "size", "stride", "lanes", "border"});
   }
   arguments.activation(step.shape);
 }

@@ -25,9 +25,9 @@ struct Target {
 
 float golden_activation(float x, ActivationCode activation);
 
-/// `in` is the first pixel's window, with what it needs of the border. weights[block][ky][kx][input]
-/// [lanes], blocks of `lanes` outputs; bias of as many as the blocks have. The chain starts with the
-/// bias and goes by ky, kx, input. A residual of pixel 0 is none.
+/// `in` is the first pixel's window, with what it needs of the border.
+/// weights[block][ky][kx][input] [lanes], blocks of `lanes` outputs; bias of as many as the blocks
+/// have. The chain starts with the bias and goes by ky, kx, input. A residual of pixel 0 is none.
 void golden_convolution(const ConvolutionSize& size, int lanes, const Source& in,
                         std::span<const float> weights, std::span<const float> bias,
                         const Source& residual, ActivationCode activation, const Target& out);

@@ -125,8 +125,7 @@ class Planner {
   }
 
   std::size_t new_buffer(const Extent& extent) {
-    plan_.buffers.push_back(
-        {.layout = layout_of(extent), .first_step = plan_.steps.size()});
+    plan_.buffers.push_back({.layout = layout_of(extent), .first_step = plan_.steps.size()});
     return plan_.buffers.size() - 1;
   }
 
@@ -266,52 +265,60 @@ class Planner {
     step.shape = shape;
   }
 
-  /// Each buffer gets the smallest slot that is free and large enough, else the largest free one
-  /// grows, else there is a new slot. The picture's border stays zero, so its slot is its own.
+  /// Largest first: a buffer goes into the smallest slot whose others are not in use at the same
+  /// time, else into a new one. The picture's border stays zero, so its slot is its own.
   void share_memory() {
+    find_last_steps();
+    std::vector<PlannedBuffer>& buffers = plan_.buffers;
+    plan_.slots = {buffers[0].layout.count()};
+    std::vector<std::vector<std::size_t>> members{{0}};
+    std::vector<std::size_t> order(buffers.size() - 1);
+    std::iota(order.begin(), order.end(), 1);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return buffers[a].layout.count() > buffers[b].layout.count();
+    });
+    for (const std::size_t b : order) {
+      const auto free = [&](std::size_t slot) {
+        return std::all_of(members[slot].begin(), members[slot].end(), [&](std::size_t other) {
+          return buffers[other].last_step < buffers[b].first_step ||
+                 buffers[b].last_step < buffers[other].first_step;
+        });
+      };
+      std::size_t slot = plan_.slots.size();  // they are made in descending order
+      for (std::size_t s = 1; s < plan_.slots.size(); ++s) {
+        if (free(s)) slot = s;
+      }
+      if (slot == plan_.slots.size()) {
+        plan_.slots.push_back(buffers[b].layout.count());
+        members.emplace_back();
+      }
+      members[slot].push_back(b);
+      buffers[b].slot = slot;
+    }
+  }
+
+  void find_last_steps() {
     constexpr std::size_t kAlways = std::numeric_limits<std::size_t>::max();
     std::vector<PlannedBuffer>& buffers = plan_.buffers;
     for (std::size_t i = 0; i < plan_.steps.size(); ++i) {
       const PlannedStep& step = plan_.steps[i];
-      for (const std::size_t b : {step.in.buffer, step.out.buffer,
-                                  step.other ? step.other->buffer : step.out.buffer}) {
+      for (const std::size_t b :
+           {step.in.buffer, step.out.buffer, step.other ? step.other->buffer : step.out.buffer}) {
         buffers[b].last_step = std::max(buffers[b].last_step, i);
       }
     }
     for (const auto& [layer, map] : plan_.outputs) buffers[map.buffer].last_step = kAlways;
     buffers[0].last_step = kAlways;
-    std::vector<std::size_t> busy_until{kAlways};
-    plan_.slots = {buffers[0].layout.count()};
-    for (std::size_t b = 1; b < buffers.size(); ++b) {
-      const std::size_t need = buffers[b].layout.count();
-      std::size_t best = plan_.slots.size();
-      const auto better = [&](std::size_t slot) {
-        if (best == plan_.slots.size()) return true;
-        const bool fits = plan_.slots[slot] >= need, best_fits = plan_.slots[best] >= need;
-        if (fits != best_fits) return fits;
-        return fits ? plan_.slots[slot] < plan_.slots[best] : plan_.slots[slot] > plan_.slots[best];
-      };
-      for (std::size_t slot = 0; slot < plan_.slots.size(); ++slot) {
-        if (busy_until[slot] < buffers[b].first_step && better(slot)) best = slot;
-      }
-      if (best == plan_.slots.size()) {
-        plan_.slots.push_back(0);
-        busy_until.push_back(0);
-      }
-      plan_.slots[best] = std::max(plan_.slots[best], need);
-      busy_until[best] = buffers[b].last_step;
-      buffers[b].slot = best;
-    }
   }
 
   const Model& model_;
   Plan plan_;
   std::vector<int> readers_;
-  std::vector<bool> fused_;                         ///< convolutions that add a shortcut
-  std::map<std::size_t, std::size_t> fused_into_;   ///< and its layer
-  std::vector<std::optional<Place>> places_;        ///< of layers written into a route's map
-  std::map<std::size_t, std::size_t> joined_;       ///< buffer of a route of several layers
-  std::vector<PlannedMap> maps_;                    ///< of each layer so far
+  std::vector<bool> fused_;                        ///< convolutions that add a shortcut
+  std::map<std::size_t, std::size_t> fused_into_;  ///< and its layer
+  std::vector<std::optional<Place>> places_;       ///< of layers written into a route's map
+  std::map<std::size_t, std::size_t> joined_;      ///< buffer of a route of several layers
+  std::vector<PlannedMap> maps_;                   ///< of each layer so far
 };
 
 }  // namespace

@@ -92,9 +92,9 @@ Work convolution_work(Variant variant, const Shape& shape) {
                         groups * s.blocks * s.chain * s.lanes + residual) *
                        kFloat;
     // A step of the chain for one tile per clock; a group's last step leaves the units 60 cycles
-    // later. A group of fewer than ten tiles waits for its own sums all the same. Pixels and weights
-    // of the next chunk come in meanwhile, through four ports of 16 bytes: 130 pixels and 32 weights
-    // a step of ten cycles.
+    // later. A group of fewer than ten tiles waits for its own sums all the same. Pixels and
+    // weights of the next chunk come in meanwhile, through four ports of 16 bytes: 130 pixels and
+    // 32 weights a step of ten cycles.
     const std::uint64_t chunks = groups * s.blocks * ceil_div(s.chain, kFpgaChunk);
     work.add_loop(groups * s.blocks * s.chain * kFpgaTiles, 1,
                   static_cast<std::uint32_t>(std::min<std::uint64_t>(chunks * 60, 1U << 30)));
@@ -158,8 +158,8 @@ KernelCase convolution_case(const Shape& shape, std::uint32_t seed) {
 }
 
 ConvolutionSize size_of(const Shape& s, int inputs, int outputs) {
-  return {entry(s, "width"), entry(s, "height"), inputs,           outputs,
-          entry(s, "size"),  entry(s, "stride"), entry(s, "border")};
+  return {entry(s, "width"),  entry(s, "height"), inputs, outputs, entry(s, "size"),
+          entry(s, "stride"), entry(s, "border")};
 }
 
 struct GoldenMaps {
@@ -209,8 +209,7 @@ void add_activation_spec(KernelSpec& spec) {
 KernelSpec make_convolution() {
   KernelSpec spec = detection_spec("convolution", "convolution");
   add_buffer_args(spec);
-  add_integers(spec,
-               {"width", "height", "inputs", "outputs", "size", "stride", "lanes", "border"});
+  add_integers(spec, {"width", "height", "inputs", "outputs", "size", "stride", "lanes", "border"});
   add_activation_spec(spec);
   spec.geometry = convolution_geometry;
   spec.work = convolution_work;
@@ -251,8 +250,7 @@ Work depthwise_work(Variant variant, const Shape& shape) {
   work.kind = WorkKind::stencil;
   work[OpClass::float_fma] = results * taps;
   work.read_unique = (results * window * window + (taps + 1) * channels + residual) * kFloat;
-  work.written_unique = work.written_issued =
-      (results + border_numbers(shape, channels)) * kFloat;
+  work.written_unique = work.written_issued = (results + border_numbers(shape, channels)) * kFloat;
   if (variant == Variant::gpu) {
     work.read_issued = (results * (2 * taps + 1) + residual) * kFloat;
   } else if (variant == Variant::cpu) {

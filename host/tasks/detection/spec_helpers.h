@@ -68,8 +68,8 @@ class CaseArgs {
     args_.push_back(std::move(array));
   }
   void integer(std::int64_t value) {
-    args_.push_back(runtime::HostArray::scalar(runtime::ElementType::i32,
-                                               static_cast<std::int32_t>(value)));
+    args_.push_back(
+        runtime::HostArray::scalar(runtime::ElementType::i32, static_cast<std::int32_t>(value)));
   }
   void real(float value) {
     args_.push_back(runtime::HostArray::scalar(runtime::ElementType::f32, value));

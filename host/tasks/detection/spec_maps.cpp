@@ -53,8 +53,7 @@ Work maxpool_work(Variant variant, const Shape& s) {
   const int size = entry(s, "size"), stride = entry(s, "stride"), before = entry(s, "before");
   const std::uint64_t taps =
       covered(entry(s, "width"), entry(s, "in_width"), size, stride, before) *
-      covered(entry(s, "height"), entry(s, "in_height"), size, stride, before) *
-      u64(s["channels"]);
+      covered(entry(s, "height"), entry(s, "in_height"), size, stride, before) * u64(s["channels"]);
   Work work = map_work(s, WorkKind::stencil);
   work[OpClass::float_add] = taps;
   work.read_issued = taps * kFloat;
@@ -154,8 +153,8 @@ KernelSpec make_upsample() {
   };
   spec.golden = [](KernelCase& c) {
     const Shape& s = c.shape;
-    golden_upsample(entry(s, "width"), entry(s, "height"), entry(s, "channels"),
-                    entry(s, "stride"), entry(s, "border"),
+    golden_upsample(entry(s, "width"), entry(s, "height"), entry(s, "channels"), entry(s, "stride"),
+                    entry(s, "border"),
                     {c.args[0].as<float>(), upsample_input(s).view(kFirstChannel)},
                     {c.args[1].as<float>(), result_map(s).view(kFirstChannel)});
   };

@@ -1,4 +1,5 @@
-// Where a feature map lies in a buffer of floats, as the kernels take it (kernels/detection/tensor.clh).
+// Where a feature map lies in a buffer of floats, as the kernels take it
+// (kernels/detection/tensor.clh).
 #ifndef PARTITA_HOST_TASKS_DETECTION_TENSOR_H
 #define PARTITA_HOST_TASKS_DETECTION_TENSOR_H
 
