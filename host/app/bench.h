@@ -6,6 +6,7 @@
 
 namespace partita::app {
 
+void add_bench_detect(CLI::App& bench, Context& context);
 void add_bench_simulate(CLI::App& bench, Context& context);
 
 }  // namespace partita::app

@@ -173,11 +173,13 @@ void add_start(CLI::App& bench, Context& context) {
 void add_bench(CLI::App& app, Context& context) {
   CLI::App* command = add_subcommand(app, context, "bench", "Measure what Partita itself costs",
                                      "partita bench overhead\npartita bench start --json\n"
-                                     "partita bench simulate --machine all");
+                                     "partita bench simulate --machine all\n"
+                                     "partita bench detect --model yolov3.cfg --layers");
   command->require_subcommand(1);
   add_overhead(*command, context);
   add_start(*command, context);
   add_bench_simulate(*command, context);
+  add_bench_detect(*command, context);
 }
 
 }  // namespace partita::app

@@ -1,6 +1,7 @@
 #include "host/tasks/detection/darknet_network.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
@@ -18,24 +19,9 @@ using io::darknet::Layer;
 using io::darknet::Model;
 using io::darknet::Weights;
 using runtime::Kernel;
-using runtime::KernelSpec;
 using runtime::Session;
 
-const KernelSpec& spec_of(StepKernel kernel) {
-  switch (kernel) {
-    case StepKernel::convolution:
-      return convolution_spec();
-    case StepKernel::depthwise:
-      return depthwise_spec();
-    case StepKernel::maxpool:
-      return maxpool_spec();
-    case StepKernel::upsample:
-      return upsample_spec();
-    case StepKernel::add:
-      break;
-  }
-  return add_spec();
-}
+constexpr int kTimedLaunches = 4;  // between two waits, so that these weigh little
 
 /// Arguments of a kernel that stay the same from picture to picture, in order.
 class Arguments {
@@ -243,6 +229,26 @@ const std::vector<RawOutput>& DarknetNetwork::run(std::span<const float> picture
 
 void DarknetNetwork::warm_up() {
   run(std::vector<float>(impl_->model.input.count(), 0.5F));
+}
+
+std::vector<double> DarknetNetwork::time_steps(std::span<const float> picture, int rounds) {
+  Impl& net = *impl_;
+  run(picture);
+  std::vector<double> seconds;
+  for (auto& [kernel, shape] : net.launches) {  // in order, so that each finds its inputs
+    kernel.enqueue(shape);
+    net.session->finish();
+    double best = 0;
+    for (int round = 0; round < rounds; ++round) {
+      const auto start = std::chrono::steady_clock::now();
+      for (int i = 0; i < kTimedLaunches; ++i) kernel.enqueue(shape);
+      net.session->finish();
+      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+      if (round == 0 || taken.count() < best) best = taken.count();
+    }
+    seconds.push_back(best / kTimedLaunches);
+  }
+  return seconds;
 }
 
 std::size_t DarknetNetwork::activation_bytes() const {

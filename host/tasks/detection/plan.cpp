@@ -323,6 +323,22 @@ class Planner {
 
 }  // namespace
 
+const runtime::KernelSpec& spec_of(StepKernel kernel) {
+  switch (kernel) {
+    case StepKernel::convolution:
+      return convolution_spec();
+    case StepKernel::depthwise:
+      return depthwise_spec();
+    case StepKernel::maxpool:
+      return maxpool_spec();
+    case StepKernel::upsample:
+      return upsample_spec();
+    case StepKernel::add:
+      break;
+  }
+  return add_spec();
+}
+
 std::size_t Plan::slot_numbers() const {
   return std::accumulate(slots.begin(), slots.end(), std::size_t{0});
 }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "host/io/darknet.h"
-#include "host/runtime/shape.h"
+#include "host/runtime/kernel_spec.h"
 #include "host/tasks/detection/tensor.h"
 
 namespace partita::detection {
@@ -29,6 +29,7 @@ struct PlannedMap {
 };
 
 enum class StepKernel { convolution, depthwise, maxpool, upsample, add };
+const runtime::KernelSpec& spec_of(StepKernel kernel);
 
 struct PlannedStep {
   StepKernel kernel = StepKernel::convolution;
