@@ -72,7 +72,8 @@ struct GpsFix {
 enum class ObjectClass : std::uint8_t { car, pedestrian, cyclist };
 const char* to_string(ObjectClass c);  ///< KITTI's names: "Car", "Pedestrian", "Cyclist"
 
-/// What can be seen of one road user in the left image, in pixels: [x, x+width) x [y, y+height).
+/// The extent of what the left image shows of one road user, in pixels: [x, x+width) x
+/// [y, y+height). What others hide does not count.
 struct ObjectBox {
   ObjectClass object_class = ObjectClass::car;
   int id = 0;  ///< the same object keeps its id over all frames
@@ -82,6 +83,7 @@ struct ObjectBox {
   double height = 0;
   double distance = 0;  ///< depth of the object's centre, metres
   double visible = 1;   ///< share of the object's projection that nothing hides, 0..1
+  double truncated = 0;  ///< share of its extent that lies outside of the image, 0..1
 };
 
 /// One moment of the vehicle's cameras, with all other readings since the frame before.
