@@ -18,6 +18,7 @@ namespace partita::io {
 
 namespace {
 
+using sensing::ColourImage;
 using sensing::FloatImage;
 using sensing::GrayImage;
 
@@ -76,6 +77,21 @@ void to_gray(const cv::Mat& image, int shift, GrayImage& out) {
   }
 }
 
+template <class Sample>
+void to_colour(const cv::Mat& image, int shift, ColourImage& out) {
+  const int channels = image.channels();
+  for (int y = 0; y < image.rows; ++y) {
+    const Sample* in = image.ptr<Sample>(y);
+    sensing::Rgb* row = out.row(y);
+    for (int x = 0; x < image.cols; ++x, in += channels) {
+      const bool gray = channels < 3;
+      row[x] = {static_cast<std::uint8_t>(in[gray ? 0 : 2] >> shift),
+                static_cast<std::uint8_t>(in[gray ? 0 : 1] >> shift),
+                static_cast<std::uint8_t>(in[0] >> shift)};
+    }
+  }
+}
+
 /// A copy of the picture with a strip below: the colour scale with its ends and middle labelled.
 cv::Mat with_colour_bar(const cv::Mat& picture, double max_disparity) {
   constexpr int kStrip = 44;
@@ -112,6 +128,26 @@ GrayRead read_gray(const std::string& path) {
     to_gray<std::uint8_t>(image, 0, result.image);
   }
   return result;
+}
+
+ColourImage read_colour(const std::string& path) {
+  const cv::Mat image = decode(path);
+  ColourImage result(image.cols, image.rows);
+  if (image.depth() == CV_16U) {
+    to_colour<std::uint16_t>(image, 8, result);
+  } else {
+    to_colour<std::uint8_t>(image, 0, result);
+  }
+  return result;
+}
+
+void write_colour(const std::string& path, const ColourImage& image) {
+  static_assert(sizeof(sensing::Rgb) == 3);
+  cv::Mat bgr;
+  cv::cvtColor(
+      cv::Mat(image.height, image.width, CV_8UC3, const_cast<sensing::Rgb*>(image.pixels.data())),
+      bgr, cv::COLOR_RGB2BGR);
+  encode_png(path, bgr);
 }
 
 void write_gray(const std::string& path, const GrayImage& image) {

@@ -19,7 +19,11 @@ struct GrayRead {
 /// Throws Error that names the file for anything missing, damaged, truncated or of another format.
 GrayRead read_gray(const std::string& path);
 
+/// The same in colour; gray becomes three equal channels.
+sensing::ColourImage read_colour(const std::string& path);
+
 /// Writes a PNG.
+void write_colour(const std::string& path, const sensing::ColourImage& image);
 void write_gray(const std::string& path, const sensing::GrayImage& image);
 
 /// Disparities as KITTI writes them: 16-bit PNG, value = disparity * 256 rounded to nearest, 0 =

@@ -1,40 +1,17 @@
 #include "host/tasks/detection/golden.h"
 
 #include <algorithm>
-#include <bit>
 #include <cfloat>
 #include <cmath>
 
 #include "host/io/darknet.h"
+#include "host/tasks/detection/curves.h"
 
 // Sums and products stay apart, as in the kernels (FP_CONTRACT OFF); see CMakeLists.txt.
 namespace partita::detection {
 namespace {
 
 using io::darknet::Activation;
-
-/// kernels/detection/activation.clh says what these are.
-float exp_80(float x) {
-  const float shifted = std::fma(x, 1.44269504F, 12582912.0F);
-  const float n = shifted - 12582912.0F;
-  float r = std::fma(n, -0.693359375F, x);
-  r = std::fma(n, 2.12194440e-4F, r);
-  float p = std::fma(r, 1.98412698e-4F, 1.38888889e-3F);
-  for (const float c : {8.33333333e-3F, 4.16666667e-2F, 1.66666667e-1F, 0.5F, 1.0F, 1.0F}) {
-    p = std::fma(r, p, c);
-  }
-  return p * std::bit_cast<float>((std::bit_cast<std::int32_t>(shifted) - 0x4B400000 + 127) << 23);
-}
-
-float reciprocal(float d) {
-  float r = std::bit_cast<float>(0x7EF311C7 - std::bit_cast<std::int32_t>(d));
-  for (int i = 0; i < 4; ++i) r = std::fma(r, std::fma(-d, r, 1.0F), r);
-  return r;
-}
-
-float logistic(float x) {
-  return reciprocal(1.0F + exp_80(std::clamp(-x, -80.0F, 80.0F)));
-}
 
 float mish(float x) {
   const float e = exp_80(std::clamp(x, -80.0F, 20.0F));

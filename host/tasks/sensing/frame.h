@@ -38,6 +38,12 @@ struct Image {
 using GrayImage = Image<std::uint8_t>;
 using FloatImage = Image<float>;
 
+struct Rgb {
+  std::uint8_t r = 0, g = 0, b = 0;
+  bool operator==(const Rgb&) const = default;
+};
+using ColourImage = Image<Rgb>;
+
 /// A rectified stereo pair: both cameras share intrinsics and orientation, the right one sits
 /// `baseline` metres along +x of the left. Camera axes as in KITTI: x right, y down, z forward.
 /// Pixel (x, y) names the pixel's centre. disparity = fx * baseline / depth, in pixels.
