@@ -29,12 +29,18 @@ void silence_opencv() {
                  [] { cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT); });
 }
 
-cv::Mat decode(const std::string& path) {
-  silence_opencv();
-  const std::string bytes = read_file(path);
+/// The bytes of a file that holds a whole picture.
+std::string read_picture(const std::string& path) {
+  std::string bytes = read_file(path);
   if (const std::string defect = image_defect(bytes); !defect.empty()) {
     throw Error(fmt::format("{}: picture is {}", path, defect));
   }
+  return bytes;
+}
+
+cv::Mat decode(const std::string& path) {
+  silence_opencv();
+  const std::string bytes = read_picture(path);
   const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
   cv::Mat image;
   try {
@@ -139,6 +145,10 @@ ColourImage read_colour(const std::string& path) {
     to_colour<std::uint8_t>(image, 0, result);
   }
   return result;
+}
+
+void check_picture(const std::string& path) {
+  read_picture(path);
 }
 
 void write_colour(const std::string& path, const ColourImage& image) {

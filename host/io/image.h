@@ -22,6 +22,10 @@ GrayRead read_gray(const std::string& path);
 /// The same in colour; gray becomes three equal channels.
 sensing::ColourImage read_colour(const std::string& path);
 
+/// Throws what reading would throw for a file that is missing, truncated or no picture, without the
+/// time that decoding takes.
+void check_picture(const std::string& path);
+
 /// Writes a PNG.
 void write_colour(const std::string& path, const sensing::ColourImage& image);
 void write_gray(const std::string& path, const sensing::GrayImage& image);

@@ -2,6 +2,9 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "host/runtime/error.h"
 #include "host/runtime/host_step.h"
 #include "host/tasks/detection/nms.h"
 #include "host/tasks/detection/steps.h"
@@ -10,7 +13,12 @@ namespace partita::detection {
 
 Detector::Detector(const runtime::Session& session, io::darknet::Model model,
                    const io::darknet::Weights& weights, const DetectorOptions& options)
-    : session_(session), network_(session, std::move(model), weights), options_(options) {}
+    : session_(session), network_(session, std::move(model), weights), options_(options) {
+  if (const io::darknet::Model& m = network_.model(); m.input.channels != 3) {
+    throw Error(fmt::format("{}: takes pictures of {} channels, expected 3: red, green, blue",
+                            m.path, m.input.channels));
+  }
+}
 
 std::vector<Detection> Detector::detect(const sensing::ColourImage& picture) {
   const io::darknet::Model& model = network_.model();
