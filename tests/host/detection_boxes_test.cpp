@@ -2,6 +2,7 @@
 // that were computed by hand.
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -41,7 +42,8 @@ TEST(Fit, PlacesPicturesAsDarknetDoes) {
 }
 
 TEST(Fit, ResizesAsOpenCvDoes) {
-  for (const auto [width, height] : {std::pair{1280, 720}, {37, 91}, {1, 1}, {320, 320}, {2, 500}}) {
+  constexpr std::pair<int, int> kSizes[] = {{1280, 720}, {37, 91}, {1, 1}, {320, 320}, {2, 500}};
+  for (const auto& [width, height] : kSizes) {
     sensing::ColourImage picture = noise(width, height);
     const cv::Mat mat(height, width, CV_8UC3, picture.pixels.data());
     cv::Mat expected;
