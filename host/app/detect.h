@@ -37,8 +37,7 @@ Json coco_results(const std::vector<DetectedPicture>& pictures,
                   const std::vector<std::string>& names);
 
 Json precision_json(const detection::Precision& precision, const std::vector<std::string>& names);
-Table precision_table(const detection::Precision& precision,
-                      const std::vector<std::string>& names);
+Table precision_table(const detection::Precision& precision, const std::vector<std::string>& names);
 
 /// Draws boxes, names and scores into the picture.
 void draw_detections(sensing::ColourImage& picture,

@@ -62,7 +62,8 @@ int classes_of(const io::darknet::Model& model) {
     }
     classes = layer.yolo.classes;
   }
-  if (classes == 0) throw Error(fmt::format("{}: no [yolo] layer, so nothing to detect", model.path));
+  if (classes == 0)
+    throw Error(fmt::format("{}: no [yolo] layer, so nothing to detect", model.path));
   return classes;
 }
 
@@ -160,8 +161,8 @@ class Detect {
       keep(path, picture);
       if (folder) {
         draw_detections(picture, kept_.back().detections, names_);
-        const std::string name = fmt::format("{:04}_{}.png", kept_.size() - 1,
-                                             fs::path(path).stem().string());
+        const std::string name =
+            fmt::format("{:04}_{}.png", kept_.size() - 1, fs::path(path).stem().string());
         output([&] { io::write_colour(folder->file(name), picture); });
       }
       bar.update(kept_.size());
@@ -271,8 +272,7 @@ void add_detect(CLI::App& app, Context& context) {
   command->add_option("--truth", options->truth,
                       "What there is to find, for average precision: COCO's annotations (.json) or "
                       "a folder with KITTI's labels");
-  command
-      ->add_option("--difficulty", options->difficulty, "Which of KITTI's objects count")
+  command->add_option("--difficulty", options->difficulty, "Which of KITTI's objects count")
       ->check(CLI::IsMember({"easy", "moderate", "hard", "all"}))
       ->capture_default_str();
   add_machine_option(command, options->machine);

@@ -11,10 +11,10 @@ namespace partita::app {
 namespace {
 
 // Colours that stay apart for people who see fewer of them (Okabe and Ito); red, green, blue.
-const std::array<cv::Scalar, 7> kColours = {
-    cv::Scalar(230, 159, 0), cv::Scalar(86, 180, 233),  cv::Scalar(0, 158, 115),
-    cv::Scalar(240, 228, 66), cv::Scalar(0, 114, 178), cv::Scalar(213, 94, 0),
-    cv::Scalar(204, 121, 167)};
+const std::array<cv::Scalar, 7> kColours = {cv::Scalar(230, 159, 0),  cv::Scalar(86, 180, 233),
+                                            cv::Scalar(0, 158, 115),  cv::Scalar(240, 228, 66),
+                                            cv::Scalar(0, 114, 178),  cv::Scalar(213, 94, 0),
+                                            cv::Scalar(204, 121, 167)};
 
 }  // namespace
 
@@ -32,8 +32,8 @@ void draw_detections(sensing::ColourImage& picture,
     const cv::Point high(static_cast<int>(box.right), static_cast<int>(box.bottom));
     cv::rectangle(canvas, low, high, colour, thickness, cv::LINE_AA);
 
-    const std::string text = fmt::format("{} {:.2f}", names[static_cast<std::size_t>(d.object_class)],
-                                         d.score);
+    const std::string text =
+        fmt::format("{} {:.2f}", names[static_cast<std::size_t>(d.object_class)], d.score);
     int below = 0;
     const cv::Size extent = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &below);
     const int height = extent.height + below + 2;

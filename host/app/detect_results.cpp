@@ -78,11 +78,11 @@ Table precision_table(const detection::Precision& precision,
     const detection::ClassPrecision& own = precision.classes[c];
     if (own.objects == 0) continue;
     objects += own.objects;
-    table.add({names[c], std::to_string(own.objects), percent(own.ap50()),
-               percent(own.ap50_95()), percent(own.recall50)});
+    table.add({names[c], std::to_string(own.objects), percent(own.ap50()), percent(own.ap50_95()),
+               percent(own.recall50)});
   }
-  table.add({"mean", std::to_string(objects), percent(precision.ap50),
-             percent(precision.ap50_95), ""});
+  table.add(
+      {"mean", std::to_string(objects), percent(precision.ap50), percent(precision.ap50_95), ""});
   return table;
 }
 

@@ -112,18 +112,24 @@ std::vector<Truth> read_kitti(const fs::path& folder, const std::vector<std::str
                               const std::vector<std::string>& names, Difficulty difficulty) {
   const KittiClasses classes(names);
   if (!classes.any()) {
-    throw Error(fmt::format("{}: none of the network's classes is one of KITTI's, expected car, "
-                            "pedestrian or cyclist among the names",
-                            folder.string()));
+    throw Error(
+        fmt::format("{}: none of the network's classes is one of KITTI's, expected car, "
+                    "pedestrian or cyclist among the names",
+                    folder.string()));
   }
   const fs::path inner = folder / "label_2";
   const fs::path labels = fs::is_directory(inner) ? inner : folder;
   std::vector<Truth> truths;
+  std::map<fs::path, std::string> pictures_of;
   for (const std::string& picture : pictures) {
     const fs::path file = labels / fs::path(picture).stem().concat(".txt");
     if (!fs::exists(file)) {
       throw Error(fmt::format("{}: no labels for '{}', expected '{}'", folder.string(), picture,
                               file.string()));
+    }
+    if (const auto [other, first] = pictures_of.emplace(file, picture); !first) {
+      throw Error(fmt::format("{}: belongs to '{}' and to '{}', expected pictures of one data set",
+                              file.string(), other->second, picture));
     }
     truths.push_back(kitti_truth(file.string(), classes, limits_of(difficulty)));
   }
@@ -185,9 +191,10 @@ std::vector<Truth> read_truth(const std::string& path, const std::vector<std::st
                               const std::vector<std::string>& names, Difficulty difficulty) {
   if (fs::is_directory(path)) return read_kitti(path, pictures, names, difficulty);
   if (fs::path(path).extension() == ".json") return read_coco(path, pictures, names);
-  throw Error(fmt::format("{}: no truth, expected a folder with KITTI's labels or COCO's "
-                          "annotations (.json)",
-                          path));
+  throw Error(
+      fmt::format("{}: no truth, expected a folder with KITTI's labels or COCO's "
+                  "annotations (.json)",
+                  path));
 }
 
 }  // namespace partita::app

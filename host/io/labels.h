@@ -16,7 +16,7 @@ struct LabelBox {
 
 /// One line of a file of KITTI's label_2; of its 3D box only what a 2D evaluation asks for.
 struct KittiLabel {
-  std::string type;      ///< Car, Van, Truck, Pedestrian, Person_sitting, Cyclist, Tram, Misc, DontCare
+  std::string type;  ///< Car, Van, Truck, Pedestrian, Person_sitting, Cyclist, Tram, Misc, DontCare
   double truncated = 0;  ///< share outside of the picture, 0..1; -1 unknown
   int occluded = 0;      ///< 0 fully visible, 1 partly, 2 largely hidden, 3 unknown; -1 DontCare
   LabelBox box;

@@ -28,7 +28,8 @@ class Entry {
     const Json& v = at(key, "a whole number");
     if (!v.is_number_integer()) fail(key, "a whole number");
     if (v.is_number_unsigned() &&
-        v.get<std::uint64_t>() > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
+        v.get<std::uint64_t>() >
+            static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
       fail(key, "a whole number below 2^63");
     }
     return v.get<std::int64_t>();

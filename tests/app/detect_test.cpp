@@ -96,6 +96,8 @@ TEST_F(DetectCommand, NamesWhatIsWrong) {
   refused(words({picture(0), "--names", temp_.write("two.names", "a\nb\n")}), 3,
           {"two.names", "2 names", "3 classes"});
   refused(words({picture(0), "--truth", temp_.path()}), 3, {"no labels", "000000.txt"});
+  refused(words({picture(0), picture(0), "--truth", folder_->file("street")}), 3,
+          {"000000.txt: belongs to", "pictures of one data set"});
   refused(words({picture(0), "--truth", text}), 3, {"notes.png", "no truth"});
   refused(words({picture(0), "--threshold", "nan"}), 2, {"--threshold"});
   refused(words({picture(0), "--nms", "2"}), 2, {"--nms"});

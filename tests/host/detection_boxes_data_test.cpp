@@ -25,9 +25,9 @@ constexpr float kScoreTolerance = 0.005F;
 /// What OpenCV finds in a network's input, in the picture's pixels.
 std::vector<Detection> reference(const LoadedNetwork& network, const std::vector<float>& input,
                                  const Placed& placed) {
-  cv::dnn::Net net = cv::dnn::readNetFromDarknet(network.cfg_text.data(), network.cfg_text.size(),
-                                                 network.weight_bytes.data(),
-                                                 network.weight_bytes.size());
+  cv::dnn::Net net =
+      cv::dnn::readNetFromDarknet(network.cfg_text.data(), network.cfg_text.size(),
+                                  network.weight_bytes.data(), network.weight_bytes.size());
   net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
   const io::darknet::Extent& size = network.model.input;
   net.setInput(cv::dnn::blobFromImage(
@@ -65,9 +65,8 @@ std::vector<Detection> reference(const LoadedNetwork& network, const std::vector
     cv::dnn::NMSBoxes(own_boxes, own_scores, kThreshold, kOverlap, kept);
     for (const int k : kept) {
       const cv::Rect2d& b = own_boxes[static_cast<std::size_t>(k)];
-      found.push_back({{b.x, b.y, b.x + b.width, b.y + b.height},
-                       c,
-                       own_scores[static_cast<std::size_t>(k)]});
+      found.push_back(
+          {{b.x, b.y, b.x + b.width, b.y + b.height}, c, own_scores[static_cast<std::size_t>(k)]});
     }
   }
   return found;

@@ -101,7 +101,8 @@ TEST(Decode, GivesTheBoxThatTheNumbersMean) {
   OneScale scale;
   const float t[] = {0, 0, std::log(2.0F), 0, 3, -1, 2};
   std::copy(std::begin(t), std::end(t), scale.cell(1, 0));
-  const auto found = decode(scale.model, {scale.output}, place(128, 64, 64, 32, Fit::stretch), 0.5F);
+  const auto found =
+      decode(scale.model, {scale.output}, place(128, 64, 64, 32, Fit::stretch), 0.5F);
   ASSERT_EQ(found.size(), 1U);
   // Centre of the cell: (1.5, 0.5) of 2 x 2, so 96, 16 in the picture; 16 x 16 px of the input.
   EXPECT_NEAR(found[0].box.left, 96 - 16, 1e-4);

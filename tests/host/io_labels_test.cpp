@@ -8,8 +8,8 @@
 namespace partita::io {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::error_of;
+using ::testing::HasSubstr;
 using testing::TempFolder;
 
 TEST(KittiLabels, AreReadAsTheyAreWritten) {

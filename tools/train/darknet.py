@@ -11,7 +11,7 @@ from torch.nn import functional
 
 
 def read_cfg(path):
-    """The sections of a .cfg in order: dictionaries of text with the section's name under "type"."""
+    """The sections of a .cfg in order: dictionaries of text, the section's name under "type"."""
     sections = []
     with open(path, encoding="utf-8") as file:
         for line in file:

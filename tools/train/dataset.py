@@ -30,7 +30,8 @@ class Street:
             for path in sorted(glob.glob(os.path.join(folder, "image_0", "*.png"))):
                 picture = cv2.imread(path, cv2.IMREAD_GRAYSCALE)
                 name = os.path.splitext(os.path.basename(path))[0] + ".txt"
-                labels = read_labels(os.path.join(folder, "label_2", name), width / picture.shape[1])
+                scale = width / picture.shape[1]
+                labels = read_labels(os.path.join(folder, "label_2", name), scale)
                 self.pictures.append(cv2.resize(picture, (width, height)))
                 self.labels.append(labels)
         if not self.pictures:

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Trains the street detector on folders written by `partita generate`.
 
-  tools/train/train.py --cfg profiles/detectors/street/street.cfg --out street.weights DIR...
+  tools/train/train.py --cfg profiles/detectors/street/street.cfg --size 512x288 DIR...
 
 Needs Debian's python3-torch and python3-opencv. The same options on the same machine give the same
 weights. --checkpoint FILE keeps the state and goes on from it.
@@ -36,7 +36,7 @@ def assign(head, stride, boxes, width, height):
     centre = chosen[:, 2:4] / stride
     cell = centre.floor()
     nearer = torch.where(centre - cell < 0.5, -1.0, 1.0)
-    cells = [cell, cell + nearer * torch.tensor([1.0, 0.0]), cell + nearer * torch.tensor([0.0, 1.0])]
+    cells = [cell] + [cell + nearer * torch.tensor(axis) for axis in ([1.0, 0.0], [0.0, 1.0])]
     chosen = chosen.repeat(3, 1)
     cell = torch.cat(cells)
     inside = ((cell >= 0) & (cell < torch.tensor([width, height]))).all(1)
@@ -100,10 +100,17 @@ class Average:
             mean.copy_(mean * keep + value * (1 - keep) if mean.is_floating_point() else value)
 
 
+def network_of(options):
+    network = Network(options.cfg)
+    if options.size:
+        network.width, network.height = (int(side) for side in options.size.split("x"))
+    return network
+
+
 def train(options):
     torch.manual_seed(options.seed)
     torch.set_num_threads(options.threads)
-    network = Network(options.cfg)
+    network = network_of(options)
     data = Street(options.data, network.width, network.height, options.seed)
     print(f"{len(data)} pictures, {data.count} objects, "
           f"{sum(p.numel() for p in network.parameters())} parameters", flush=True)
@@ -162,6 +169,8 @@ def main():
     parser.add_argument("data", nargs="+", help="folders written by partita generate")
     parser.add_argument("--cfg", required=True)
     parser.add_argument("--out", default="street.weights", help="where the weights go")
+    parser.add_argument("--size", help="WIDTHxHEIGHT of the pictures while learning, multiples of "
+                        "32 (default: as in the cfg)")
     parser.add_argument("--steps", type=int, default=3000)
     parser.add_argument("--batch", type=int, default=8)
     parser.add_argument("--rate", type=float, default=2e-3, help="highest learning rate")
@@ -172,7 +181,7 @@ def main():
                         help="only print six anchors for these data: k-means of the box sizes")
     options = parser.parse_args()
     if options.anchors:
-        print(scaled_anchors(options.data, Network(options.cfg)))
+        print(scaled_anchors(options.data, network_of(options)))
     else:
         train(options)
 

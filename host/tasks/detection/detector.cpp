@@ -22,12 +22,11 @@ Detector::Detector(const runtime::Session& session, io::darknet::Model model,
 
 std::vector<Detection> Detector::detect(const sensing::ColourImage& picture) {
   const io::darknet::Model& model = network_.model();
-  const Placed placed = place(picture.width, picture.height, model.input.width, model.input.height,
-                              options_.fit);
+  const Placed placed =
+      place(picture.width, picture.height, model.input.width, model.input.height, options_.fit);
   fit_picture(picture, placed, input_);
-  runtime::declare_host_step(
-      session_, fit_spec(),
-      {{"pixels", std::int64_t{model.input.width} * model.input.height}});
+  runtime::declare_host_step(session_, fit_spec(),
+                             {{"pixels", std::int64_t{model.input.width} * model.input.height}});
 
   const std::vector<RawOutput>& outputs = network_.run(input_);
   std::vector<Detection> candidates = decode(model, outputs, placed, options_.threshold);

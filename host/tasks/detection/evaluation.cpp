@@ -104,7 +104,8 @@ double average_precision(std::vector<Hit> hits, std::size_t objects) {
   double sum = 0;
   for (int k = 0; k < kRecalls; ++k) {
     const auto at = std::lower_bound(recall.begin(), recall.end(), 0.01 * k) - recall.begin();
-    if (at < static_cast<std::ptrdiff_t>(hits.size())) sum += precision[static_cast<std::size_t>(at)];
+    if (at < static_cast<std::ptrdiff_t>(hits.size()))
+      sum += precision[static_cast<std::size_t>(at)];
   }
   return sum / kRecalls;
 }

@@ -34,25 +34,26 @@ const HostSpec& fit_spec() {
 }
 
 const HostSpec& boxes_spec() {
-  static const HostSpec spec{
-      "boxes", "detection", [](const Shape& shape) {
-        const std::uint64_t anchors = count(shape, "anchors");
-        const std::uint64_t candidates = count(shape, "candidates");
-        const std::uint64_t compared = count(shape, "compared");
-        const std::uint64_t classes = count(shape, "classes");
-        // Objectness of every anchor; of candidates the best class, four curves, the box.
-        Work work;
-        work.kind = WorkKind::serial;
-        work[OpClass::float_fma] = kLogisticFma * (anchors + 5 * candidates);
-        work[OpClass::float_add] = anchors + candidates * classes;
-        work[OpClass::double_fma] = 14 * candidates;
-        work[OpClass::double_add] = 8 * compared;
-        work[OpClass::double_special] = compared;
-        work.read_issued = 4 * (anchors + candidates * (4 + classes)) + 32 * compared;
-        work.read_unique = 4 * (anchors + candidates * (4 + classes));
-        work.written_issued = work.written_unique = 40 * candidates;
-        return work;
-      }};
+  static const HostSpec spec{"boxes", "detection", [](const Shape& shape) {
+                               const std::uint64_t anchors = count(shape, "anchors");
+                               const std::uint64_t candidates = count(shape, "candidates");
+                               const std::uint64_t compared = count(shape, "compared");
+                               const std::uint64_t classes = count(shape, "classes");
+                               // Objectness of every anchor; of candidates the best class, four
+                               // curves, the box.
+                               Work work;
+                               work.kind = WorkKind::serial;
+                               work[OpClass::float_fma] = kLogisticFma * (anchors + 5 * candidates);
+                               work[OpClass::float_add] = anchors + candidates * classes;
+                               work[OpClass::double_fma] = 14 * candidates;
+                               work[OpClass::double_add] = 8 * compared;
+                               work[OpClass::double_special] = compared;
+                               work.read_issued =
+                                   4 * (anchors + candidates * (4 + classes)) + 32 * compared;
+                               work.read_unique = 4 * (anchors + candidates * (4 + classes));
+                               work.written_issued = work.written_unique = 40 * candidates;
+                               return work;
+                             }};
   return spec;
 }
 

@@ -87,8 +87,8 @@ struct ObjectBox {
   double y = 0;
   double width = 0;
   double height = 0;
-  double distance = 0;  ///< depth of the object's centre, metres
-  double visible = 1;   ///< share of the object's projection that nothing hides, 0..1
+  double distance = 0;   ///< depth of the object's centre, metres
+  double visible = 1;    ///< share of the object's projection that nothing hides, 0..1
   double truncated = 0;  ///< share of its extent that lies outside of the image, 0..1
 };
 

@@ -23,9 +23,10 @@ constexpr double kLeastLabelledShare = 0.25;
 /// type truncated occluded alpha left top right bottom height width length x y z rotation_y
 std::string label(const ObjectBox& b) {
   if (b.height < kLeastLabelledHeight || b.visible < kLeastLabelledShare) {
-    return fmt::format("DontCare -1 -1 -10 {:.2f} {:.2f} {:.2f} {:.2f} -1 -1 -1 -1000 -1000 -1000 "
-                       "-10\n",
-                       b.x, b.y, b.x + b.width, b.y + b.height);
+    return fmt::format(
+        "DontCare -1 -1 -10 {:.2f} {:.2f} {:.2f} {:.2f} -1 -1 -1 -1000 -1000 -1000 "
+        "-10\n",
+        b.x, b.y, b.x + b.width, b.y + b.height);
   }
   const int occluded = b.visible > 0.8 ? 0 : b.visible > 0.4 ? 1 : 2;
   return fmt::format(

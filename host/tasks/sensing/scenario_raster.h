@@ -77,7 +77,7 @@ struct Silhouette {
   int bottom = -1;
   std::int64_t pixels = 0;   ///< that would show it if nothing were before it
   std::int64_t visible = 0;  ///< that show it
-  double truncated = 0;      ///< share of the projection's bounding box outside of the picture, 0..1
+  double truncated = 0;  ///< share of the projection's bounding box outside of the picture, 0..1
 };
 std::vector<Silhouette> silhouettes(const Scene& scene, const View& view, const Picture& picture,
                                     std::size_t objects);
