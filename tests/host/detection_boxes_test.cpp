@@ -42,7 +42,8 @@ TEST(Fit, PlacesPicturesAsDarknetDoes) {
 }
 
 TEST(Fit, ResizesAsOpenCvDoes) {
-  constexpr std::pair<int, int> kSizes[] = {{1280, 720}, {37, 91}, {1, 1}, {320, 320}, {2, 500}};
+  constexpr std::pair<int, int> kSizes[] = {{1280, 720}, {37, 91},   {1, 1},      {320, 320},
+                                            {2, 500},    {640, 448}, {1920, 1080}};
   for (const auto& [width, height] : kSizes) {
     sensing::ColourImage picture = noise(width, height);
     const cv::Mat mat(height, width, CV_8UC3, picture.pixels.data());
@@ -51,9 +52,12 @@ TEST(Fit, ResizesAsOpenCvDoes) {
     std::vector<float> got;
     fit_picture(picture, place(width, height, 320, 224, Fit::stretch), got);
     ASSERT_EQ(got.size(), expected.total() * 3);
+    std::size_t different = 0;
     for (std::size_t i = 0; i < got.size(); ++i) {
       ASSERT_NEAR(got[i] * 255, expected.data[i], 1.001) << width << "x" << height << " at " << i;
+      different += std::abs(got[i] * 255 - static_cast<float>(expected.data[i])) > 0.5F ? 1 : 0;
     }
+    EXPECT_LE(different, got.size() / 300) << width << "x" << height;
   }
 }
 

@@ -2,33 +2,36 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 namespace partita::detection {
 
 namespace {
 
-constexpr std::int64_t kOne = 2048;  // a weight of one
+constexpr int kOne = 2048;  // a weight of one
 constexpr float kBar = 0.5F;
 
-/// Between which two source pixels a target pixel's centre lies; the weight of the second.
+/// Between which two source pixels a target pixel's centre lies, and their weights.
 struct Tap {
   int first = 0, second = 0;
-  int weight = 0;
+  int first_weight = kOne, second_weight = 0;
 };
 
 std::vector<Tap> taps(int source, int target) {
+  const double scale = 1.0 / (static_cast<double>(target) / source);
   std::vector<Tap> result(static_cast<std::size_t>(target));
   for (int i = 0; i < target; ++i) {
-    // (i + 1/2) * source / target - 1/2 in units of 1/2048, rounded to nearest.
-    const std::int64_t numerator = (2 * std::int64_t{i} + 1) * source - target;
-    const std::int64_t position = (numerator * kOne + target) / (2 * std::int64_t{target});
-    const std::int64_t clamped =
-        std::clamp<std::int64_t>(numerator < 0 ? 0 : position, 0, (source - 1) * kOne);
+    const auto position = static_cast<float>((i + 0.5) * scale - 0.5);
+    const float floor = std::floor(position);
     Tap& tap = result[static_cast<std::size_t>(i)];
-    tap.first = static_cast<int>(clamped / kOne);
+    if (position < 0) continue;  // the first pixel alone
+    tap.first = std::min(static_cast<int>(floor), source - 1);
     tap.second = std::min(tap.first + 1, source - 1);
-    tap.weight = static_cast<int>(clamped % kOne);
+    if (tap.first == source - 1) continue;  // the last one alone
+    const float beyond = position - floor;
+    tap.first_weight = static_cast<int>(std::nearbyint((1.0F - beyond) * kOne));
+    tap.second_weight = static_cast<int>(std::nearbyint(beyond * kOne));
   }
   return result;
 }
@@ -40,10 +43,9 @@ void resize_row(const sensing::Rgb* in, const std::vector<Tap>& columns, Row& ou
   for (const Tap& c : columns) {
     const sensing::Rgb a = in[c.first];
     const sensing::Rgb b = in[c.second];
-    const int wa = static_cast<int>(kOne) - c.weight;
-    *to++ = a.r * wa + b.r * c.weight;
-    *to++ = a.g * wa + b.g * c.weight;
-    *to++ = a.b * wa + b.b * c.weight;
+    *to++ = a.r * c.first_weight + b.r * c.second_weight;
+    *to++ = a.g * c.first_weight + b.g * c.second_weight;
+    *to++ = a.b * c.first_weight + b.b * c.second_weight;
   }
 }
 
@@ -95,11 +97,11 @@ void fit_picture(const sensing::ColourImage& picture, const Placed& p, std::vect
     if (lower_is != tap.second) resize_row(picture.row(tap.second), columns, lower);
     lower_is = tap.second;
     float* to = out.data() + stride * static_cast<std::size_t>(p.top + y) + 3 * p.left;
-    const int wb = tap.weight;
-    const int wa = static_cast<int>(kOne) - wb;
     for (std::size_t i = 0; i < upper.size(); ++i) {
-      const int sum = upper[i] * wa + lower[i] * wb;  // at most 255 * 2^22
-      to[i] = kLevels[static_cast<std::size_t>((sum + (1 << 21)) >> 22)];
+      // The steps of rounding are OpenCV's, for the same gray levels.
+      const int above = (tap.first_weight * (upper[i] >> 4)) >> 16;
+      const int below = (tap.second_weight * (lower[i] >> 4)) >> 16;
+      to[i] = kLevels[static_cast<std::size_t>((above + below + 2) >> 2)];
     }
   }
 }

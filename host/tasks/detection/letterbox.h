@@ -22,8 +22,9 @@ struct Placed {
 Placed place(int picture_width, int picture_height, int input_width, int input_height, Fit fit);
 
 /// The network's input: [y][x][red, green, blue], 0 to 1, bars 0.5. Resized by linear interpolation
-/// between pixel centres with weights of 1/2048 in integers, to whole gray levels: what OpenCV's
-/// INTER_LINEAR gives for 8-bit pictures, to one gray level. Reuses `out`'s memory.
+/// between pixel centres with weights of 1/2048, to whole gray levels: those of OpenCV's
+/// INTER_LINEAR for 8-bit pictures, but for one level at one pixel in a few hundred. Reuses `out`'s
+/// memory.
 void fit_picture(const sensing::ColourImage& picture, const Placed& placed,
                  std::vector<float>& out);
 
