@@ -197,7 +197,8 @@ class Detect {
     }
     std::string text = table.empty() ? "" : table.to_string(console_.colour());
     if (count > kMost) text += fmt::format("... and {} more\n", count - kMost);
-    return text + fmt::format("{} objects in {} pictures", count, kept_.size());
+    return text + fmt::format("{} object{} in {} picture{}", count, count == 1 ? "" : "s",
+                              kept_.size(), kept_.size() == 1 ? "" : "s");
   }
 
   void report(Json detections, const std::vector<detection::Truth>& truths,
