@@ -9,6 +9,7 @@
 namespace partita::app {
 
 void add_bench_peers(CLI::App& bench, Context& context);
+void add_bench_detect(CLI::App& bench, Context& context);
 void add_bench_simulate(CLI::App& bench, Context& context);
 
 /// "AMD EPYC 7763 64-Core Processor"; empty where the system does not say.

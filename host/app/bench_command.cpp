@@ -185,12 +185,14 @@ void add_bench(CLI::App& app, Context& context) {
   CLI::App* command =
       add_subcommand(app, context, "bench", "Measure what Partita costs, and others beside it",
                      "partita bench overhead\npartita bench start --json\n"
-                     "partita bench simulate --machine all\npartita bench peers");
+                     "partita bench simulate --machine all\npartita bench peers\n"
+                     "partita bench detect --model yolov3.cfg --layers");
   command->require_subcommand(1);
   add_overhead(*command, context);
   add_start(*command, context);
   add_bench_simulate(*command, context);
   add_bench_peers(*command, context);
+  add_bench_detect(*command, context);
 }
 
 }  // namespace partita::app

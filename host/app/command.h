@@ -36,6 +36,7 @@ CLI::Validator number_range(double least, double most);
 void add_run(CLI::App& app, Context& context);
 void add_explore(CLI::App& app, Context& context);
 void add_diff(CLI::App& app, Context& context);
+void add_detect(CLI::App& app, Context& context);
 void add_devices(CLI::App& app, Context& context);
 void add_emulate(CLI::App& app, Context& context);
 void add_depth(CLI::App& app, Context& context);

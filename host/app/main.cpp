@@ -50,6 +50,7 @@ int parse_and_run(int argc, char** argv, Context& context) {
   add_run(app, context);
   add_explore(app, context);
   add_diff(app, context);
+  add_detect(app, context);
   add_devices(app, context);
   add_emulate(app, context);
   add_depth(app, context);

@@ -21,6 +21,7 @@ namespace partita::io {
 
 namespace {
 
+using sensing::ColourImage;
 using sensing::FloatImage;
 using sensing::GrayImage;
 
@@ -31,12 +32,18 @@ void silence_opencv() {
                  [] { cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT); });
 }
 
-cv::Mat decode(const std::string& path) {
-  silence_opencv();
-  const std::string bytes = read_file(path);
+/// The bytes of a file that holds a whole picture.
+std::string read_picture(const std::string& path) {
+  std::string bytes = read_file(path);
   if (const std::string defect = image_defect(bytes); !defect.empty()) {
     throw Error(fmt::format("{}: picture is {}", path, defect));
   }
+  return bytes;
+}
+
+cv::Mat decode(const std::string& path) {
+  silence_opencv();
+  const std::string bytes = read_picture(path);
   const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
   cv::Mat image;
   try {
@@ -89,6 +96,21 @@ void to_levels(const std::string& path, const cv::Mat& image, sensing::Image<std
         throw Error(fmt::format("{}: has colours, expected a picture of one channel", path));
       }
       out.at(x, y) = in[0];
+    }
+  }
+}
+
+template <class Sample>
+void to_colour(const cv::Mat& image, int shift, ColourImage& out) {
+  const int channels = image.channels();
+  for (int y = 0; y < image.rows; ++y) {
+    const Sample* in = image.ptr<Sample>(y);
+    sensing::Rgb* row = out.row(y);
+    for (int x = 0; x < image.cols; ++x, in += channels) {
+      const bool gray = channels < 3;
+      row[x] = {static_cast<std::uint8_t>(in[gray ? 0 : 2] >> shift),
+                static_cast<std::uint8_t>(in[gray ? 0 : 1] >> shift),
+                static_cast<std::uint8_t>(in[0] >> shift)};
     }
   }
 }
@@ -149,6 +171,30 @@ LevelsRead read_levels(const std::string& path) {
     to_levels<std::uint8_t>(path, image, result.levels);
   }
   return result;
+}
+
+ColourImage read_colour(const std::string& path) {
+  const cv::Mat image = decode(path);
+  ColourImage result(image.cols, image.rows);
+  if (image.depth() == CV_16U) {
+    to_colour<std::uint16_t>(image, 8, result);
+  } else {
+    to_colour<std::uint8_t>(image, 0, result);
+  }
+  return result;
+}
+
+void check_picture(const std::string& path) {
+  read_picture(path);
+}
+
+void write_colour(const std::string& path, const ColourImage& image) {
+  static_assert(sizeof(sensing::Rgb) == 3);
+  cv::Mat bgr;
+  cv::cvtColor(
+      cv::Mat(image.height, image.width, CV_8UC3, const_cast<sensing::Rgb*>(image.pixels.data())),
+      bgr, cv::COLOR_RGB2BGR);
+  encode_png(path, bgr);
 }
 
 void write_gray(const std::string& path, const GrayImage& image) {

@@ -29,7 +29,15 @@ struct LevelsRead {
 /// does, and for a picture with colours.
 LevelsRead read_levels(const std::string& path);
 
+/// As read_gray, in colour; gray becomes three equal channels.
+sensing::ColourImage read_colour(const std::string& path);
+
+/// Throws what reading would throw for a file that is missing, truncated or no picture, without the
+/// time that decoding takes.
+void check_picture(const std::string& path);
+
 /// Writes a PNG.
+void write_colour(const std::string& path, const sensing::ColourImage& image);
 void write_gray(const std::string& path, const sensing::GrayImage& image);
 
 /// Disparities as KITTI writes them: 16-bit PNG, value = disparity * 256 rounded to nearest, 0 =

@@ -7,6 +7,7 @@
 
 #include "host/runtime/error.h"
 #include "host/tasks/depth/kernels.h"
+#include "host/tasks/detection/kernels.h"
 #include "host/tasks/frontend/kernels.h"
 #include "host/tasks/tracking/kernels.h"
 
@@ -15,6 +16,7 @@ namespace partita::tasks {
 std::span<const Task> all_tasks() {
   static const std::array tasks{Task{"frontend", frontend::kernel_specs()},
                                 Task{"depth", depth::kernel_specs()},
+                                Task{"detection", detection::kernel_specs()},
                                 Task{"tracking", tracking::kernel_specs()}};
   return tasks;
 }

@@ -7,6 +7,7 @@
 #include "host/io/file.h"
 #include "host/io/image.h"
 #include "host/io/image_check.h"
+#include "host/io/labels.h"
 #include "host/io/trajectory.h"
 #include "host/io/truth.h"
 #include "host/tasks/sensing/frame.h"
@@ -107,6 +108,28 @@ TEST(Fuzz, TextReaders) {
   EXPECT_GT(
       fuzz("#h\n0,1,2,3,4\n5000000,1,2,3,4\n", kRounds, with([](const auto& p) { read_gps(p); })),
       kRounds / 4);
+}
+
+TEST(Fuzz, Labels) {
+  const TempFolder folder;
+  const std::string path = folder.file("input.json");
+  const auto with = [&path](auto read) {
+    return [&path, read](const std::string& text) {
+      io::write_file(path, text);
+      read(path);
+    };
+  };
+  constexpr int kRounds = 3000;
+  EXPECT_GT(fuzz("Car 0.88 2 -0.69 0.00 192.37 402.31 374.00 1.60 1.57 3.23 -2.70 1.74 3.68 -1.29\n"
+                 "DontCare -1 -1 -10 800.38 163.67 825.45 184.07 -1 -1 -1 -1000 -1000 -1000 -10\n",
+                 kRounds, with([](const auto& p) { io::read_kitti_labels(p); })),
+            kRounds / 4);
+  EXPECT_GT(fuzz(R"({"images": [{"id": 7, "file_name": "a.jpg"}], "categories": [{"id": 3, "name":
+                     "car"}], "annotations": [{"image_id": 7, "category_id": 3, "bbox": [1, 2, 3,
+                     4], "iscrowd": 0}]})",
+                 kRounds, with([](const auto& p) { io::read_coco_truth(p); })),
+            kRounds / 4);
+  fuzz("car\nperson\n", kRounds, with([](const auto& p) { io::read_names(p); }));
 }
 
 TEST(Fuzz, TimesThroughTheLoader) {

@@ -38,6 +38,12 @@ struct Image {
 using GrayImage = Image<std::uint8_t>;
 using FloatImage = Image<float>;
 
+struct Rgb {
+  std::uint8_t r = 0, g = 0, b = 0;
+  bool operator==(const Rgb&) const = default;
+};
+using ColourImage = Image<Rgb>;
+
 /// A rectified stereo pair: both cameras share intrinsics and orientation, the right one sits
 /// `baseline` metres along +x of the left. Camera axes as in KITTI: x right, y down, z forward.
 /// Pixel (x, y) names the pixel's centre. disparity = fx * baseline / depth, in pixels.
@@ -72,7 +78,8 @@ struct GpsFix {
 enum class ObjectClass : std::uint8_t { car, pedestrian, cyclist };
 const char* to_string(ObjectClass c);  ///< KITTI's names: "Car", "Pedestrian", "Cyclist"
 
-/// What can be seen of one road user in the left image, in pixels: [x, x+width) x [y, y+height).
+/// The extent of what the left image shows of one road user, in pixels: [x, x+width) x
+/// [y, y+height). What others hide does not count.
 struct ObjectBox {
   ObjectClass object_class = ObjectClass::car;
   int id = 0;  ///< the same object keeps its id over all frames
@@ -80,8 +87,9 @@ struct ObjectBox {
   double y = 0;
   double width = 0;
   double height = 0;
-  double distance = 0;  ///< depth of the object's centre, metres
-  double visible = 1;   ///< share of the object's projection that nothing hides, 0..1
+  double distance = 0;   ///< depth of the object's centre, metres
+  double visible = 1;    ///< share of the object's projection that nothing hides, 0..1
+  double truncated = 0;  ///< share of its extent that lies outside of the image, 0..1
 };
 
 /// One moment of the vehicle's cameras, with all other readings since the frame before.

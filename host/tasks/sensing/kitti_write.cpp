@@ -16,12 +16,23 @@ namespace partita::sensing {
 
 namespace {
 
+// What an annotator would leave out: too small or too well hidden to tell what it is.
+constexpr double kLeastLabelledHeight = 20;  // pixels
+constexpr double kLeastLabelledShare = 0.25;
+
 /// type truncated occluded alpha left top right bottom height width length x y z rotation_y
 std::string label(const ObjectBox& b) {
+  if (b.height < kLeastLabelledHeight || b.visible < kLeastLabelledShare) {
+    return fmt::format(
+        "DontCare -1 -1 -10 {:.2f} {:.2f} {:.2f} {:.2f} -1 -1 -1 -1000 -1000 -1000 "
+        "-10\n",
+        b.x, b.y, b.x + b.width, b.y + b.height);
+  }
   const int occluded = b.visible > 0.8 ? 0 : b.visible > 0.4 ? 1 : 2;
-  return fmt::format("{} 0.00 {} -10 {:.2f} {:.2f} {:.2f} {:.2f} -1 -1 -1 -1000 -1000 {:.2f} -10\n",
-                     to_string(b.object_class), occluded, b.x, b.y, b.x + b.width, b.y + b.height,
-                     b.distance);
+  return fmt::format(
+      "{} {:.2f} {} -10 {:.2f} {:.2f} {:.2f} {:.2f} -1 -1 -1 -1000 -1000 {:.2f} -10\n",
+      to_string(b.object_class), b.truncated, occluded, b.x, b.y, b.x + b.width, b.y + b.height,
+      b.distance);
 }
 
 std::string seconds(std::int64_t ns) {

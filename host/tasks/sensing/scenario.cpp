@@ -127,14 +127,14 @@ void Scenario::add_truth(Frame& f, const World& world, const View& view,
   const std::vector<Silhouette> shapes = silhouettes(world.scene, view, left, world.users.size());
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const Silhouette& s = shapes[i];
-    if (s.pixels == 0 || s.bottom - s.top + 1 < kLeastHeight) continue;
+    if (s.visible == 0 || s.bottom - s.top + 1 < kLeastHeight) continue;
     const double visible = static_cast<double>(s.visible) / static_cast<double>(s.pixels);
     if (visible < kLeastVisible) continue;
     const RoadUser& user = world.users[i];
     const double distance = rotate_back(view.R_world_cam, user.centre - view.position).z;
     f.boxes->push_back({user.object_class, user.id, static_cast<double>(s.left),
                         static_cast<double>(s.top), static_cast<double>(s.right - s.left + 1),
-                        static_cast<double>(s.bottom - s.top + 1), distance, visible});
+                        static_cast<double>(s.bottom - s.top + 1), distance, visible, s.truncated});
   }
   std::sort(f.boxes->begin(), f.boxes->end(),
             [](const ObjectBox& a, const ObjectBox& b) { return a.id < b.id; });

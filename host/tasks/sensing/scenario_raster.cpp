@@ -40,6 +40,11 @@ Linear sum(Linear a, Linear b, double scale) {
 /// to the face that contains their centre; faces that share an edge leave no gap and no overlap.
 class Outline {
  public:
+  struct Corner {
+    double x;
+    double y;
+  };
+
   explicit Outline(const View& view)
       : view_(view), low_(static_cast<std::size_t>(view.camera.height)), high_(low_.size()) {}
 
@@ -68,11 +73,10 @@ class Outline {
     }
   }
 
+  /// Of the polygon visited last, as far as it lies before the camera, also outside of the picture.
+  std::span<const Corner> corners() const { return {corners_.data(), count_}; }
+
  private:
-  struct Corner {
-    double x;
-    double y;
-  };
   static constexpr std::size_t kMaxCorners = 64;
 
   static int clamped(double value, int limit) {
@@ -370,32 +374,66 @@ Picture draw(const Scene& scene, const View& view, std::uint64_t noise_seed) {
   return Painter(scene, view).paint(noise_seed);
 }
 
+namespace {
+
+/// The smallest box that holds what was added.
+struct Bounds {
+  double left = std::numeric_limits<double>::max();
+  double top = std::numeric_limits<double>::max();
+  double right = std::numeric_limits<double>::lowest();
+  double bottom = std::numeric_limits<double>::lowest();
+
+  void add(double x, double y) {
+    left = std::min(left, x);
+    right = std::max(right, x);
+    top = std::min(top, y);
+    bottom = std::max(bottom, y);
+  }
+  double area() const { return (right - left) * (bottom - top); }
+};
+
+}  // namespace
+
 std::vector<Silhouette> silhouettes(const Scene& scene, const View& view, const Picture& picture,
                                     std::size_t objects) {
   std::vector<Silhouette> result(objects);
+  std::vector<Bounds> whole(objects);   // were the picture without edges
+  std::vector<Bounds> inside(objects);  // were nothing before the object
   std::vector<std::int32_t> stamp(picture.faces.size(), -1);
   Outline outline(view);
+  const int width = view.camera.width;
   for (const Face& face : scene.solids) {
     Linear w;
     if (face.object < 0 || !inverse_depth_of(scene, face, view, w)) continue;
-    Silhouette& s = result[static_cast<std::size_t>(face.object)];
+    const auto object = static_cast<std::size_t>(face.object);
     outline.visit(scene.polygon(face), [&](int y, int begin, int end) {
-      const bool first = s.pixels == 0;
-      s.left = first ? begin : std::min(s.left, begin);
-      s.top = first ? y : std::min(s.top, y);
-      s.right = first ? end - 1 : std::max(s.right, end - 1);
-      s.bottom = first ? y : std::max(s.bottom, y);
-      std::int32_t* row = stamp.data() + static_cast<std::size_t>(y) * view.camera.width;
+      inside[object].add(begin, y);
+      inside[object].add(end, y + 1);
+      std::int32_t* row = stamp.data() + static_cast<std::size_t>(y) * width;
       for (int x = begin; x < end; ++x) {
-        s.pixels += row[x] != face.object ? 1 : 0;
+        result[object].pixels += row[x] != face.object ? 1 : 0;
         row[x] = face.object;
       }
     });
+    for (const Outline::Corner& c : outline.corners()) whole[object].add(c.x, c.y);
   }
-  for (const std::uint32_t id : picture.faces) {
+  for (std::size_t i = 0; i < picture.faces.size(); ++i) {
+    const std::uint32_t id = picture.faces[i];
     if (id <= scene.ground.size()) continue;
     const std::int32_t object = scene.solids[id - 1 - scene.ground.size()].object;
-    if (object >= 0) ++result[static_cast<std::size_t>(object)].visible;
+    if (object < 0) continue;
+    const int x = static_cast<int>(i % static_cast<std::size_t>(width));
+    const int y = static_cast<int>(i / static_cast<std::size_t>(width));
+    Silhouette& s = result[static_cast<std::size_t>(object)];
+    const bool first = s.visible++ == 0;
+    s.left = first ? x : std::min(s.left, x);
+    s.right = first ? x : std::max(s.right, x);
+    s.top = first ? y : s.top;  // pixels come row by row
+    s.bottom = y;
+  }
+  for (std::size_t i = 0; i < objects; ++i) {
+    if (result[i].pixels == 0) continue;
+    result[i].truncated = std::clamp(1.0 - inside[i].area() / whole[i].area(), 0.0, 1.0);
   }
   return result;
 }

@@ -69,14 +69,15 @@ struct Picture {
 /// about one gray level drawn from noise_seed.
 Picture draw(const Scene& scene, const View& view, std::uint64_t noise_seed);
 
-/// Size of each object's projection were nothing before it, and the part that the picture shows.
+/// What of each object's projection the picture shows.
 struct Silhouette {
-  int left = 0;
+  int left = 0;  ///< of the pixels that show the object
   int top = 0;
-  int right = -1;  ///< inclusive; below left where nothing projects into the picture
+  int right = -1;  ///< inclusive; below left where no pixel shows it
   int bottom = -1;
-  std::int64_t pixels = 0;
-  std::int64_t visible = 0;
+  std::int64_t pixels = 0;   ///< that would show it if nothing were before it
+  std::int64_t visible = 0;  ///< that show it
+  double truncated = 0;  ///< share of the projection's bounding box outside of the picture, 0..1
 };
 std::vector<Silhouette> silhouettes(const Scene& scene, const View& view, const Picture& picture,
                                     std::size_t objects);
