@@ -25,6 +25,7 @@ TEST(Help, EveryCommandHasExamplesAndJson) {
                                              {"bench", "overhead"},
                                              {"bench", "start"},
                                              {"bench", "simulate"},
+                                             {"bench", "detect"},
                                              {"package"},
                                              {"generate"}}) {
     std::vector<std::string> words = command;
