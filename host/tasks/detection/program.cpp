@@ -92,9 +92,8 @@ tasks::TaskExport export_task(const tasks::Sensors& sensors) {
     boxes += static_cast<std::int64_t>(map.extent.count()) / entries;
   }
   tasks::Program program;
-  program.host(letterbox_spec(), {{"width", sensors.width},
-                                  {"height", sensors.height},
-                                  {"side", model.input.width}});
+  program.host(letterbox_spec(),
+               {{"width", sensors.width}, {"height", sensors.height}, {"side", model.input.width}});
   add_network(program, plan);
   program.host(decode_spec(),
                {{"boxes", boxes}, {"entries", entries}, {"candidates", kCandidates}});
