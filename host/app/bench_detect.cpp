@@ -147,8 +147,7 @@ int detect(const DetectOptions& options, const Console& console) {
     peer->run(picture);
   }
   Json document{{"model", model.path}, {"device", device.name}, {"rounds", options.rounds}};
-  Json& measured = document["measured"];
-  measured = measure_whole(network, peer.get(), picture, options.rounds, console);
+  Json measured = measure_whole(network, peer.get(), picture, options.rounds, console);
   double operations = 0;
   for (const PlannedStep& step : network.plan().steps) operations += 2 * multiply_adds(step);
   const double rate = operations / measured["ms"].get<double>() * 1e-6;
@@ -181,6 +180,7 @@ int detect(const DetectOptions& options, const Console& console) {
         "long\n",
         peer->threads(), measured["opencv_ms"].get<double>(), measured["ratio"].get<double>());
   }
+  document["measured"] = std::move(measured);
   console.result(text, document);
   return exit_ok;
 }

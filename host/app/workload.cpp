@@ -10,7 +10,7 @@
 #include "host/runtime/error.h"
 #include "host/tasks/backend/outline.h"
 #include "host/tasks/depth/program.h"
-#include "host/tasks/detection/outline.h"
+#include "host/tasks/detection/program.h"
 #include "host/tasks/frontend/program.h"
 #include "host/tasks/fusion/outline.h"
 #include "host/tasks/planning/outline.h"
@@ -78,7 +78,7 @@ const std::map<std::string, Exporter>& exporters() {
                                                    {"backend", outline<backend::outline>},
                                                    {"fusion", outline<fusion::outline>},
                                                    {"depth", export_depth},
-                                                   {"detection", outline<detection::outline>},
+                                                   {"detection", outline<detection::export_task>},
                                                    {"tracking", export_tracking},
                                                    {"planning", outline<planning::outline>}};
   return all;

@@ -56,6 +56,7 @@ class NumberReader {
       : bytes_(bytes), path_(std::move(where)) {}
 
   std::vector<float> take(std::size_t count, std::size_t layer, const char* what) {
+    if (count == 0) return {};
     std::vector<float> values(count);
     std::memcpy(values.data(), bytes_.data(), count * sizeof(float));
     bytes_.remove_prefix(count * sizeof(float));

@@ -27,6 +27,7 @@ TEST(Help, EveryCommandHasExamplesAndJson) {
                                              {"bench", "start"},
                                              {"bench", "simulate"},
                                              {"bench", "peers"},
+                                             {"bench", "detect"},
                                              {"package"},
                                              {"generate"},
                                              {"track"}}) {

@@ -1,5 +1,6 @@
 // The tasks' exported programs against what the tasks really enqueue: a run on the emulated machine
 // is recorded, and command by command compared with the programs for the run's counts.
+#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -9,7 +10,11 @@
 #include "host/app/environment.h"
 #include "host/app/pipeline.h"
 #include "host/app/workload.h"
+#include "host/tasks/detection/darknet_network.h"
+#include "host/tasks/detection/kernels.h"
+#include "host/tasks/detection/program.h"
 #include "tests/app/program_lines.h"
+#include "tests/host/darknet_networks.h"
 #include "tests/host/io_temp_folder.h"
 
 namespace partita::app {
@@ -87,6 +92,46 @@ TEST_P(Programs, AreWhatTheTasksEnqueue) {
               counts.frames[1].depth.views[0].triangles == 0)
       << "the black frame was to end early";
   EXPECT_TRUE(counts.frames[2].frontend.searches.front().wide);
+}
+
+/// A network that has every layer, on a GPU: its plan as a program against what a run enqueues.
+TEST(NetworkProgram, IsWhatARunEnqueues) {
+  set_emulation({.machine = "gpu-only", .recording = true});
+  const testing::TempFolder temp;
+  const runtime::Device device = runtime::select_device(runtime::find_devices(), "gpu");
+  const runtime::Session session(device, detection::kernel_specs(),
+                                 {.execute = runtime::Execute::fast});
+  session.extension().bind_thread("network", 0, device);
+  const auto model = io::darknet::parse_cfg(testing::kEveryLayerCfg, "net.cfg");
+  detection::DarknetNetwork network(session, model, io::darknet::random_weights(model, 1));
+  network.run(std::vector<float>(model.input.count(), 0.5F), 7);
+  session.finish();
+  session.extension().export_record(temp.file("record.jsonl"));
+  std::vector<std::string> enqueued =
+      recorded(timeline::load_record(temp.file("record.jsonl")), "network");
+  // The weights came first, of no frame.
+  const auto loading = [](const std::string& line) { return !line.starts_with("frame 7 "); };
+  const auto first = std::find_if_not(enqueued.begin(), enqueued.end(), loading);
+  enqueued.erase(enqueued.begin(), first);
+
+  tasks::Program program;
+  detection::add_network(program, network.plan());
+  std::vector<std::string> expected;
+  for (const tasks::Step& step : program.steps()) {
+    if (step.kind == tasks::StepKind::kernel) {
+      const Work work = step.kernel->declared_work(runtime::Variant::gpu, step.shape);
+      expected.push_back(
+          fmt::format("frame 7 detection kernel {} {}", step.kernel->name, described(work)));
+    } else {
+      const bool reads = step.kind == tasks::StepKind::read;
+      const char* kind = reads ? "read" : "write";
+      expected.push_back(fmt::format("frame 7 detection {}  {} B", kind, step.bytes));
+      if (reads) expected.emplace_back("wait");
+    }
+  }
+  if (!enqueued.empty() && enqueued.back() == "finish") enqueued.pop_back();  // the test's own
+  expect_same(enqueued, expected);
+  EXPECT_GT(expected.size(), 20u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, Programs,

@@ -11,7 +11,7 @@
 #include "devices/profile/machine.h"
 #include "host/runtime/error.h"
 #include "host/tasks/depth/program.h"
-#include "host/tasks/detection/network.h"
+#include "host/tasks/detection/yolov3.h"
 #include "host/tasks/frontend/program.h"
 #include "tests/host/io_temp_folder.h"
 
@@ -193,11 +193,12 @@ TEST(RunCounts, WhatNoRunWritesIsRefusedWithItsPlace) {
 /// The figures that the network's authors state: 75 convolutions, 65.9 billion operations.
 TEST(Detection, TheNetworkIsYolov3) {
   std::int64_t convolutions = 0, multiply_adds = 0, weights = 0;
-  for (const detection::Layer& layer : detection::yolov3_layers()) {
-    if (layer.kind != detection::LayerKind::convolution) continue;
+  for (const io::darknet::Layer& layer : detection::yolov3().layers) {
+    if (layer.kind != io::darknet::LayerKind::convolutional) continue;
     ++convolutions;
-    multiply_adds += layer.multiply_adds();
-    weights += layer.inputs * layer.outputs * layer.kernel * layer.kernel;
+    const std::int64_t window = layer.size * layer.size * layer.in.channels;
+    multiply_adds += static_cast<std::int64_t>(layer.out.count()) * window;
+    weights += window * layer.out.channels;
   }
   EXPECT_EQ(convolutions, 75);
   EXPECT_NEAR(2e-9 * static_cast<double>(multiply_adds), 65.9, 0.1);

@@ -4,6 +4,7 @@
 
 #include "host/io/darknet.h"
 #include "host/tasks/detection/plan.h"
+#include "host/tasks/detection/yolov3.h"
 #include "tests/host/darknet_networks.h"
 #include "tests/host/detection_reference.h"
 #include "tests/host/io_temp_folder.h"
@@ -69,9 +70,21 @@ TEST(Plan, OfRealNetworksSharesMemory) {
     const Plan plan = make_plan(model);
     expect_sound(plan);
     EXPECT_LT(plan.slot_numbers(), all_numbers(plan)) << network.name;
-    EXPECT_LT(4 * plan.slot_numbers(), 5 * plan.live_numbers()) << network.name;
+    EXPECT_LT(10 * plan.slot_numbers(), 13 * plan.live_numbers()) << network.name;
     for (const PlannedStep& step : plan.steps) EXPECT_NE(step.kernel, StepKernel::add);
   }
+}
+
+TEST(Plan, OfTheBuiltInYolov3IsThatOfItsFile) {
+  const std::string data = testing::data_folder();
+  if (data.empty()) GTEST_SKIP() << "PARTITA_DATA names no folder of real data";
+  const Plan file = make_plan(io::darknet::read_cfg(data + "/detect/cfg_only/yolov3.cfg"));
+  const Plan built_in = make_plan(yolov3());
+  ASSERT_EQ(built_in.steps.size(), file.steps.size());
+  for (std::size_t i = 0; i < file.steps.size(); ++i) {
+    EXPECT_EQ(built_in.steps[i].shape.to_string(), file.steps[i].shape.to_string()) << i;
+  }
+  EXPECT_EQ(built_in.slots, file.slots);
 }
 
 }  // namespace

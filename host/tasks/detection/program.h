@@ -1,0 +1,19 @@
+// A network's run, and the detection task's frame, as data; see host/tasks/program.h.
+#ifndef PARTITA_HOST_TASKS_DETECTION_PROGRAM_H
+#define PARTITA_HOST_TASKS_DETECTION_PROGRAM_H
+
+#include "host/tasks/detection/plan.h"
+#include "host/tasks/program.h"
+
+namespace partita::detection {
+
+/// Exactly what DarknetNetwork::run() makes its session do.
+void add_network(tasks::Program& program, const Plan& plan);
+
+/// YOLOv3 at 416 x 416. A run does not execute it yet: what the host does before and after the
+/// network is counted from the algorithm, so the task is an outline still (host/tasks/outline.h).
+tasks::TaskExport export_task(const tasks::Sensors& sensors);
+
+}  // namespace partita::detection
+
+#endif  // PARTITA_HOST_TASKS_DETECTION_PROGRAM_H
