@@ -1,9 +1,9 @@
 // Dense maximum a-posteriori matching and the left-right check, CPU variant.
-// Assumes: 16-byte descriptors, row-major, any width from 4; max_disparity <= 255; an ascending list
-// of disparities per cell. One work-item takes one row of cells (one band of rows in the check),
-// local size 1. Four pixels side by side make a unit, whose descriptors are one vector; four units
-// of a cell, from one row or from several, are a block that is matched at once. What would leave
-// the row is done pixel by pixel.
+// Assumes: 16-byte descriptors, row-major, any width from 4; max_disparity <= 255; an ascending
+// list of disparities per cell. One work-item takes one row of cells (one band of rows in the
+// check), local size 1. Four pixels side by side make a unit, whose descriptors are one vector;
+// four units of a cell, from one row or from several, are a block that is matched at once. What
+// would leave the row is done pixel by pixel.
 #include "depth/constants.clh"
 #include "depth/distance.clh"
 #include "depth/refine.clh"
@@ -80,7 +80,8 @@ static inline ushort decide_pixel(const Task t, int row, int x, uint key) {
   return stored(d, offset);
 }
 
-// ---- Block by block: unit k begins at place `at[k]` of the picture, in a row that begins at `row[k]` ----
+// ---- Block by block: unit k begins at place `at[k]` of the picture, in a row that begins at
+// `row[k]` ----
 
 // Best of the list, of pixel p of unit k at place 4 k + p. All disparities stay inside.
 ALWAYS_INLINE uint16 listed_block(const Task t, int4 at) {
@@ -146,8 +147,9 @@ ALWAYS_INLINE uint4 plane_unit(const Task t, int at, int row) {
   uint16 best = (uint16)(NEVER);
   for (int g = 0; g < groups; ++g) {
     const int4 from = first + (int4)(row + 4 * g);
-    const uint16 distances = totals(sad4(a, four(t.other, from.s0)), sad4(b, four(t.other, from.s1)),
-                                    sad4(c, four(t.other, from.s2)), sad4(e, four(t.other, from.s3)));
+    const uint16 distances =
+        totals(sad4(a, four(t.other, from.s0)), sad4(b, four(t.other, from.s1)),
+               sad4(c, four(t.other, from.s2)), sad4(e, four(t.other, from.s3)));
     __private const uint16* table = t.penalties + (g << PLANE_BITS);
     const uint16 penalty =
         mixed(table[fraction.s0], table[fraction.s1], table[fraction.s2], table[fraction.s3]);
@@ -167,11 +169,11 @@ ALWAYS_INLINE int4 refine_unit(const Task t, int at, int row, int4 d) {
     for (int p = 0; p < 4; ++p) {
       const int x = at - row + p;
       const int whole = p == 0 ? d.s0 : p == 1 ? d.s1 : p == 2 ? d.s2 : d.s3;
-      offsets[p] = whole < 0 || !possible(t, x, whole - 1) || !possible(t, x, whole + 1)
-                       ? 0
-                       : refinement(distance_at(t, row, x, whole - 1),
-                                    distance_at(t, row, x, whole),
-                                    distance_at(t, row, x, whole + 1));
+      offsets[p] =
+          whole < 0 || !possible(t, x, whole - 1) || !possible(t, x, whole + 1)
+              ? 0
+              : refinement(distance_at(t, row, x, whole - 1), distance_at(t, row, x, whole),
+                           distance_at(t, row, x, whole + 1));
     }
     return vload4(0, offsets);
   }
@@ -260,9 +262,8 @@ static inline void make_penalties(__global const ushort* prior, int radius, int 
         // Behind the last candidate: beyond every energy, and no carry when the floor is added.
         entries[k] = c < 2 * radius ? ((uint)prior[max(off, -off)] << 8) + (uint)offset : 1u << 30;
       }
-      penalties[(g << PLANE_BITS) + f] =
-          (uint16)((uint4)(entries[0]), (uint4)(entries[1]), (uint4)(entries[2]),
-                   (uint4)(entries[3]));
+      penalties[(g << PLANE_BITS) + f] = (uint16)((uint4)(entries[0]), (uint4)(entries[1]),
+                                                  (uint4)(entries[2]), (uint4)(entries[3]));
     }
   }
 }
@@ -276,7 +277,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void dense_match(
   const int cy = (int)get_global_id(0);
   const int columns = (width + cell - 1) / cell;
   uint16 penalties[GROUPS << PLANE_BITS];
-  Task t = {own, other, map, lists, prior, penalties, 0, width, right != 0 ? 1 : -1,
+  Task t = {own,           other,  map,    lists, prior, penalties, 0, width, right != 0 ? 1 : -1,
             max_disparity, radius, texture};
   make_penalties(prior, radius, t.direction, penalties);
   const int bottom = min((cy + 1) * cell, height);

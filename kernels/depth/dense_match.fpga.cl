@@ -43,8 +43,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void dense_match(
       const int count = counts[at];
       uchar list[DISPARITIES];
       PIPELINE(1)
-      for (int n = 0; n < count; ++n)
-        list[n] = lists[at * (size_t)(max_disparity + 1) + (size_t)n];
+      for (int n = 0; n < count; ++n) list[n] = lists[at * (size_t)(max_disparity + 1) + (size_t)n];
       const int begin = cx * cell;
       const int pixels = min(cell, width - begin);
       uint best[MAX_CELL];
@@ -52,7 +51,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void dense_match(
       // Candidate by candidate, pixel by pixel: a pixel comes round again after the whole cell, so
       // that its minimum is ready in time.
       PIPELINE(1)
-      for (int n = 0, p = 0; n < around + count; p = p + 1 < pixels ? p + 1 : 0, n += p == 0 ? 1 : 0) {
+      for (int n = 0, p = 0; n < around + count;
+           p = p + 1 < pixels ? p + 1 : 0, n += p == 0 ? 1 : 0) {
         const int x = begin + p;
         const int room = min(max_disparity, right != 0 ? width - 1 - x : x);
         const int mu = planes[x];

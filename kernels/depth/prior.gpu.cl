@@ -1,8 +1,9 @@
 // The priors: disparities seen in each cell, and the planes' disparity at each pixel. GPU variant.
 // Assumes: triangles' corners in order of row and column, inside the picture; slopes below those in
 // planes.h. grid_seen, grid_prior: a group of 64 work-items takes a cell and marks bits in local
-// memory; each work-item finds its disparities' places by counting the bits below. plane_prior: a group of 64
-// takes BAND rows of pixels, its work-items share out the triangles; each pixel has one triangle.
+// memory; each work-item finds its disparities' places by counting the bits below. plane_prior: a
+// group of 64 takes BAND rows of pixels, its work-items share out the triangles; each pixel has one
+// triangle.
 #include "depth/constants.clh"
 #include "depth/plane.clh"
 

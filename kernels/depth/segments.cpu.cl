@@ -3,12 +3,12 @@
 // join_segments: one takes everything, for there are few borders. Local size 1.
 #include "depth/segments.clh"
 
-// First every pixel gets the root of its run, and roots of runs above each other are united under the
-// least, once where they meet; then, as roots come before what they hold, one pass in order replaces every label by its
-// root's.
+// First every pixel gets the root of its run, and roots of runs above each other are united under
+// the least, once where they meet; then, as roots come before what they hold, one pass in order
+// replaces every label by its root's.
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void segments(
-    __global const ushort* restrict map, __global int* restrict labels, __global int* restrict sizes,
-    int width, int height, int similarity) {
+    __global const ushort* restrict map, __global int* restrict labels,
+    __global int* restrict sizes, int width, int height, int similarity) {
   const int top = (int)get_global_id(0) * BAND;
   const int bottom = min(top + BAND, height);
   for (int y = top; y < bottom; ++y) {
@@ -43,7 +43,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void segments(
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void join_segments(
-    __global const ushort* restrict map, __global int* restrict labels, __global int* restrict sizes,
-    int width, int height, int similarity) {
+    __global const ushort* restrict map, __global int* restrict labels,
+    __global int* restrict sizes, int width, int height, int similarity) {
   join_all(map, labels, sizes, width, height, similarity);
 }

@@ -1,7 +1,7 @@
 // Segments of similar disparities; see segments.gpu.cl for what they are. FPGA variant.
-// Assumes: pictures at most FPGA_WIDTH wide. One work-item; a row of disparities, and a band's labels
-// and sizes, counted from the band's first pixel, wait on the chip. Uniting roots is a chain of
-// dependent reads and sets the pace.
+// Assumes: pictures at most FPGA_WIDTH wide. One work-item; a row of disparities, and a band's
+// labels and sizes, counted from the band's first pixel, wait on the chip. Uniting roots is a chain
+// of dependent reads and sets the pace.
 #include "depth/segments.clh"
 
 #define NOWHERE 0xffff
@@ -11,8 +11,8 @@ static inline int band_root(__private const ushort* labels, int i) {
   return i;
 }
 
-// First every pixel gets the root of its run, and roots of runs above each other are united under the
-// least, once where they meet: that is when the pipeline waits.
+// First every pixel gets the root of its run, and roots of runs above each other are united under
+// the least, once where they meet: that is when the pipeline waits.
 static inline void label_row(__private ushort* above, __private ushort* labels,
                              __global const ushort* row, int first, int width, bool top,
                              int similarity) {
@@ -42,8 +42,8 @@ static inline void label_row(__private ushort* above, __private ushort* labels,
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void segments(
-    __global const ushort* restrict map, __global int* restrict labels, __global int* restrict sizes,
-    int width, int height, int similarity) {
+    __global const ushort* restrict map, __global int* restrict labels,
+    __global int* restrict sizes, int width, int height, int similarity) {
   ushort above[FPGA_WIDTH];
   ushort band_labels[BAND * FPGA_WIDTH];
   ushort band_sizes[BAND * FPGA_WIDTH];
@@ -71,7 +71,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void segments(
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void join_segments(
-    __global const ushort* restrict map, __global int* restrict labels, __global int* restrict sizes,
-    int width, int height, int similarity) {
+    __global const ushort* restrict map, __global int* restrict labels,
+    __global int* restrict sizes, int width, int height, int similarity) {
   join_all(map, labels, sizes, width, height, similarity);
 }

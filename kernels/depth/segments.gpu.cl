@@ -6,8 +6,8 @@
 // index of all bands as the label of their first pixels and of their pixels at the borders, and
 // their whole size there. So a pixel's segment is the label of its label. GPU variant.
 // Assumes: pictures with fewer than 2^31 pixels. segments: a group of 64 work-items takes a band;
-// join_segments: a single group takes all borders. Labels only ever sink, by atomic minimum, so that
-// the result does not depend on the order.
+// join_segments: a single group takes all borders. Labels only ever sink, by atomic minimum, so
+// that the result does not depend on the order.
 #include "depth/constants.clh"
 
 #define GROUP 64

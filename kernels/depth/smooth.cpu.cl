@@ -1,6 +1,7 @@
 // Adaptive mean and median along rows or columns, CPU variant.
-// Assumes: any size. One work-item takes a band of BAND rows, local size 1. 16 pixels go at a time, the
-// last 16 of a row overlap their predecessors. Pixels too near to a line's end stay as they are.
+// Assumes: any size. One work-item takes a band of BAND rows, local size 1. 16 pixels go at a time,
+// the last 16 of a row overlap their predecessors. Pixels too near to a line's end stay as they
+// are.
 #include "depth/smooth.clh"
 
 // Disparities of 16 pixels' neighbours, `stride` apart.
@@ -12,8 +13,7 @@ static inline ushort16 mean16(__global const ushort* p, int stride) {
   for (int k = -MEAN_REACH; k <= MEAN_REACH; ++k) {
     const int16 tap = convert_int16(vload16(0, p + k * stride));
     const int16 off = tap - middle;
-    const int16 weight =
-        max((int16)(FARTHEST) - max(off, -off), (int16)(0)) & (tap != (int16)(0));
+    const int16 weight = max((int16)(FARTHEST)-max(off, -off), (int16)(0)) & (tap != (int16)(0));
     weights += weight;
     sum += weight * off;
   }

@@ -1,7 +1,7 @@
 // Adaptive mean and median along rows or columns, FPGA variant.
-// Assumes: pictures at most FPGA_WIDTH wide. One work-item streams the picture once, through as many row
-// buffers as the filter has taps (in banks, so that all are read at once): one pixel per clock (II = 1).
-// Pixels too near to a line's end stay as they are.
+// Assumes: pictures at most FPGA_WIDTH wide. One work-item streams the picture once, through as
+// many row buffers as the filter has taps (in banks, so that all are read at once): one pixel per
+// clock (II = 1). Pixels too near to a line's end stay as they are.
 #include "common/fpga.clh"
 #include "depth/smooth.clh"
 
@@ -53,7 +53,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void median(
       ushort taps[2 * MEDIAN_REACH + 1];
       UNROLL(2 * MEDIAN_REACH + 1)
       for (int k = 0; k < 2 * MEDIAN_REACH + 1; ++k) {
-        const int line = (vertical != 0 && whole ? y + k - MEDIAN_REACH : y) % (2 * MEDIAN_REACH + 1);
+        const int line =
+            (vertical != 0 && whole ? y + k - MEDIAN_REACH : y) % (2 * MEDIAN_REACH + 1);
         taps[k] = lines[line][vertical == 0 && whole ? x + k - MEDIAN_REACH : x];
       }
       out[y * width + x] = whole ? median_of(taps) : taps[MEDIAN_REACH];

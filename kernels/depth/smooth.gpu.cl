@@ -1,6 +1,6 @@
 // Adaptive mean and median along rows or columns, GPU variant.
-// Assumes: any size; groups of 64 x 4 pixels, the NDRange rounded up to them. Neighbours come from the
-// cache. Pixels too near to a line's end stay as they are.
+// Assumes: any size; groups of 64 x 4 pixels, the NDRange rounded up to them. Neighbours come from
+// the cache. Pixels too near to a line's end stay as they are.
 #include "depth/smooth.clh"
 
 #define GROUP_X 64

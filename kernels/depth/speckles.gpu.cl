@@ -1,6 +1,6 @@
 // Removes the segments that are too small, GPU variant.
-// Assumes: labels and sizes as join_segments leaves them. One work-item a pixel, in groups of 64 that
-// lie along the rows, the NDRange rounded up.
+// Assumes: labels and sizes as join_segments leaves them. One work-item a pixel, in groups of 64
+// that lie along the rows, the NDRange rounded up.
 #define GROUP 64
 
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void remove_speckles(

@@ -35,9 +35,8 @@ static inline uint least_of(uint16 keys) {
 }
 
 // Halves of the costs of four disparities, at columns `column` .. `column` + 3 of the other view.
-static inline ulong8 half_costs(ulong8 a, ulong8 b, ulong8 c, ulong8 d,
-                                __global const uchar* above, __global const uchar* below,
-                                int column) {
+static inline ulong8 half_costs(ulong8 a, ulong8 b, ulong8 c, ulong8 d, __global const uchar* above,
+                                __global const uchar* below, int column) {
   __global const ulong* p = (__global const ulong*)(above + (column - 2) * 16);
   __global const ulong* q = (__global const ulong*)(below + (column - 2) * 16);
   return sad4(a, vload8(0, p)) + sad4(b, vload8(1, p)) + sad4(c, vload8(0, q)) +
@@ -70,11 +69,10 @@ static inline int match(const View view, int u, int max_disparity, int texture, 
     const int nearest = view.direction < 0 ? u - 16 * g - 3 : u + 16 * g;
     const int4 wanted = (int4)(nearest) + (int4)(0, 4, 8, 12) * (int4)(view.direction);
     const int4 column = clamp(wanted, (int4)(2), (int4)(view.width - 6));
-    const uint16 costs =
-        totals(half_costs(a, b, c, d, other_above, other_below, column.s0),
-               half_costs(a, b, c, d, other_above, other_below, column.s1),
-               half_costs(a, b, c, d, other_above, other_below, column.s2),
-               half_costs(a, b, c, d, other_above, other_below, column.s3));
+    const uint16 costs = totals(half_costs(a, b, c, d, other_above, other_below, column.s0),
+                                half_costs(a, b, c, d, other_above, other_below, column.s1),
+                                half_costs(a, b, c, d, other_above, other_below, column.s2),
+                                half_costs(a, b, c, d, other_above, other_below, column.s3));
     const uint16 disparity = (uint16)((uint)(16 * g)) + order;
     const uint16 beyond = as_uint16(disparity > (uint16)((uint)last));
     keys[g] = (costs << (uint16)(8)) | disparity | beyond;
