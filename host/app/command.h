@@ -41,6 +41,7 @@ void add_emulate(CLI::App& app, Context& context);
 void add_verify(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
 void add_package(CLI::App& app, Context& context);
+void add_bundle_adjust(CLI::App& app, Context& context);
 void add_generate(CLI::App& app, Context& context);
 
 }  // namespace partita::app
