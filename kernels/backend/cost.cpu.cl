@@ -23,6 +23,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(back_substitu
       __global const double* z = eliminated + (size_t)point_slots[i] * ELIMINATED_STRIDE;
       __global const double* step = steps + (size_t)point_cameras[i] * 9;
       const double8 s = vload8(0, step);
+      #pragma unroll
       for (int k = 0; k < 3; ++k) {
         t[k] = fma(vload8((size_t)k, z), s, t[k]);
         last[k] = fma(z[24 + k], step[8], last[k]);
@@ -32,10 +33,11 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(back_substitu
                sum8(t[2]) + last[2], blocks + (size_t)point * 9, point_scales + (size_t)point * 3,
                inverse_radius, state + (size_t)point * 3, trial + (size_t)point * 3, total);
   }
+  #pragma unroll
   for (int i = 0; i < 3; ++i) sums[group * 3 + i] = total[i];
 }
 
-inline double8 gather(__global const double* restrict values, int8 i) {
+inline __attribute__((always_inline)) double8 gather(__global const double* restrict values, int8 i) {
   return (double8)(values[i.s0], values[i.s1], values[i.s2], values[i.s3], values[i.s4],
                    values[i.s5], values[i.s6], values[i.s7]);
 }
@@ -56,9 +58,11 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(cost)(
                           gather(state, first + 2)};
     double8 m[RESIDUALS];
     double8 r[RESIDUALS];
+    #pragma unroll
     for (int i = 0; i < RESIDUALS; ++i) m[i] = vload8(0, measured + (size_t)i * (size_t)slots + slot);
     project(camera, x, m, r);
     const double8 weight = vload8(0, weights + slot);
+    #pragma unroll
     for (int i = 0; i < RESIDUALS; ++i) r[i] = r[i] * weight;
     sum += loss_of(squared_norm(r), loss, loss_scale);
   }

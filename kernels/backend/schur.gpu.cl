@@ -23,7 +23,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP_POINTS, 1, 1))) void MODEL(el
 }
 
 // Where column c of row k of Z' is.
-inline int column_at(int k, int c) {
+inline __attribute__((always_inline)) int column_at(int k, int c) {
   return c < 8 ? 8 * k + c : 24 + k;
 }
 

@@ -4,9 +4,10 @@
 #include <cholmod.h>
 #include <cmath>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include "host/runtime/error.h"
+#include "host/tasks/backend/dense_cholesky.h"
 
 namespace partita::backend {
 namespace {
@@ -32,11 +33,8 @@ class DenseSystem : public ReducedSystem {
     }
     const Eigen::Index n = S_.rows();
     S_.diagonal() += Eigen::Map<const Eigen::VectorXd>(diagonal.data(), n);
-    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(S_);  // in place, lower triangle
-    if (factor.info() != Eigen::Success) return false;
-    Eigen::Map<Eigen::VectorXd> x(step.data(), n);
-    x = Eigen::Map<const Eigen::VectorXd>(rhs.data(), n);
-    factor.solveInPlace(x);
+    std::copy(rhs.begin(), rhs.end(), step.begin());
+    if (!solve_dense(static_cast<int>(n), S_.data(), step.data())) return false;
     return finite(step);
   }
   const char* name() const override { return "dense Cholesky"; }

@@ -19,6 +19,8 @@ constexpr double kLargestRadius = 1e16, kSmallestRadius = 1e-32;
 constexpr double kLeastDiagonal = 1e-6, kLargestDiagonal = 1e32;
 constexpr double kLeastGain = 1e-3;
 constexpr int kInvalidSteps = 5;  ///< one after the other, then it gives up
+/// Of the columns until their norms are known: their squares then fit into fixed-point sums.
+constexpr double kFirstScale = 1.0 / 4096;
 /// In single precision, what fixed-point sums hold (kernels/backend/float1.clh).
 constexpr double kLargestFixed = 4194304;
 
@@ -113,12 +115,16 @@ class Minimiser {
   void choose_scales() {
     const PartTimer timer(Part::ju, session_, summary_);
     std::vector<double> cameras, points(problem_.points.size() * 3, 1.0);
+    for (auto& scales : scales_) {
+      for (double& value : scales) value *= kFirstScale;
+    }
+    write_cameras(0, problem_.cameras);
     device_.write_point_scales(points);
     device_.update_jacobians();
     device_.read_diagonals(cameras, points);
     const auto scale = [](double square) { return 1 / (1 + std::sqrt(square)); };
     for (std::size_t i = 0; i < cameras.size(); ++i)
-      scales_[i / dof_][i % dof_] *= scale(cameras[i]);
+      scales_[i / dof_][i % dof_] *= scale(cameras[i] / (kFirstScale * kFirstScale)) / kFirstScale;
     for (double& value : points) value = scale(value);
     device_.write_point_scales(points);
     write_cameras(0, problem_.cameras);
