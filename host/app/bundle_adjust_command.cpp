@@ -61,12 +61,12 @@ Run run_on_device(backend::Problem& problem, const Options& options, const Conso
     throw Error(
         fmt::format("{}: has no doubles; choose --variant fpga for single precision", device.name));
   }
+  const auto specs = backend::kernels(problem.model, precision).list();
   if (!device.accepts_source) {
     session_options.container =
-        container_for(device, options.machine, runtime::Execute::own, options.container);
+        container_for(device, options.machine, runtime::Execute::own, options.container, specs);
   }
-  const runtime::Session session(device, backend::kernels(problem.model, precision).list(),
-                                 session_options);
+  const runtime::Session session(device, specs, session_options);
   const backend::BundleAdjuster adjuster(session, problem.model);
   {
     // Kernels are compiled at their first launch; that belongs to loading them.

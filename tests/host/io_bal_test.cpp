@@ -12,8 +12,8 @@ namespace partita::io {
 namespace {
 
 using testing::error_of;
-using testing::TempFolder;
 using ::testing::HasSubstr;
+using testing::TempFolder;
 
 const std::string kValid =
     "2 2 3\n"
@@ -48,7 +48,8 @@ TEST(Bal, NamesTheLineOfWhatIsWrong) {
     text.replace(text.find(from), from.size(), to);
     return error_of([&] { read_bal(folder.write("a.txt", text)); });
   };
-  EXPECT_THAT(error("1 0 4 5", "2 0 4 5"), HasSubstr("a.txt:3: an observation's camera 2, expected 0 to 1"));
+  EXPECT_THAT(error("1 0 4 5", "2 0 4 5"),
+              HasSubstr("a.txt:3: an observation's camera 2, expected 0 to 1"));
   EXPECT_THAT(error("1 1 6 7", "1 -1 6 7"), HasSubstr("a.txt:4: an observation's point -1"));
   EXPECT_THAT(error("6 7", "6 x"), HasSubstr("a.txt:4: 'x' is not a number"));
   EXPECT_THAT(error("4 5", "4 nan"), HasSubstr("a.txt:3: 'nan' where a finite number"));
@@ -75,8 +76,9 @@ TEST(Bal, FindsPointsBehindTheirCamera) {
 TEST(Bal, EndsInAValueOrAnErrorWhateverItReads) {
   const TempFolder folder;
   std::mt19937 random(7);
-  const std::vector<std::string> words = {"nan", "-", "1e999", "\n", " ", "99999999999999999999",
-                                          "0x1", "\xff", std::string(1, '\0'), "-1", "."};
+  const std::vector<std::string> words = {
+      "nan", "-", "1e999", "\n", " ", "99999999999999999999", "0x1", "\xff", std::string(1, '\0'),
+      "-1",  "."};
   int refused = 0;
   constexpr int kRounds = 4000;
   for (int round = 0; round < kRounds; ++round) {

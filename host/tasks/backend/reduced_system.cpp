@@ -56,6 +56,7 @@ class SparseSystem : public ReducedSystem {
     cholmod_start(&common_);
     common_.print = 0;
     common_.supernodal = CHOLMOD_AUTO;
+    common_.final_ll = 1;  // L D L' would go on with a negative pivot
     make_pattern();
     factor_ = cholmod_analyze(S_, &common_);
     if (factor_ == nullptr) {

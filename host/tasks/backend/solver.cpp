@@ -187,7 +187,8 @@ class Minimiser {
         step_square_ += move[i] * move[i];
         norm_square_ += problem_.cameras[c][i] * problem_.cameras[c][i];
       }
-      trial_[c] = moved(problem_.model, problem_.cameras[c], move);
+      const bool fixed = !problem_.fixed.empty() && problem_.fixed[c];
+      if (!fixed) trial_[c] = moved(problem_.model, problem_.cameras[c], move);
     }
     write_cameras(1, trial_);
     const PointStep points = device_.step_points(step_, 1 / radius_);
