@@ -37,7 +37,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(back_substitu
   for (int i = 0; i < 3; ++i) sums[group * 3 + i] = total[i];
 }
 
-inline __attribute__((always_inline)) double8 gather(__global const double* restrict values, int8 i) {
+inline __attribute__((always_inline)) double8 gather(__global const double* values, int8 i) {
   return (double8)(values[i.s0], values[i.s1], values[i.s2], values[i.s3], values[i.s4],
                    values[i.s5], values[i.s6], values[i.s7]);
 }

@@ -6,12 +6,12 @@
 #include "backend/projection.clh"
 #include "backend/point.clh"
 
-inline __attribute__((always_inline)) double8 gather(__global const double* restrict values, int8 i) {
+inline __attribute__((always_inline)) double8 gather(__global const double* values, int8 i) {
   return (double8)(values[i.s0], values[i.s1], values[i.s2], values[i.s3], values[i.s4],
                    values[i.s5], values[i.s6], values[i.s7]);
 }
 
-inline __attribute__((always_inline)) void store_records(double8* r, double8* jc, double8* jp, __global double* restrict out) {
+inline __attribute__((always_inline)) void store_records(double8* r, double8* jc, double8* jp, __global double* out) {
   double8 record[JACOBIAN_STRIDE];
   #pragma unroll
   for (int i = 0; i < JACOBIAN_STRIDE; ++i) record[i] = (double8)(0);

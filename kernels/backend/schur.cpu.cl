@@ -5,8 +5,8 @@
 #include "backend/layout.clh"
 #include "backend/point.clh"
 
-inline __attribute__((always_inline)) void eliminate_slot(__global const double* restrict record, Factor f,
-                           __global double* restrict out) {
+inline __attribute__((always_inline)) void eliminate_slot(__global const double* record, Factor f,
+                           __global double* out) {
   double8 z[3] = {(double8)(0), (double8)(0), (double8)(0)};
   double8 last = (double8)(0, 0, 0, f.y0, f.y1, f.y2, 0, 0);
 #if !STEREO
@@ -59,8 +59,8 @@ typedef struct {
 } Sums;
 
 // The sums over the chunks of a camera: U into S and its diagonal, g into the right-hand side.
-inline __attribute__((always_inline)) void begin_diagonal(__global const double* restrict partials, int first, int end, Sums* S,
-                           __global double* restrict out) {
+inline __attribute__((always_inline)) void begin_diagonal(__global const double* partials, int first, int end, Sums* S,
+                           __global double* out) {
   double diagonal[DOF];
   #pragma unroll
   for (int r = 0; r < DOF; ++r) diagonal[r] = 0;
@@ -89,7 +89,7 @@ inline __attribute__((always_inline)) void begin_diagonal(__global const double*
 }
 
 // S -= Zi Zj'
-inline __attribute__((always_inline)) void subtract_product(__global const double* restrict zi, __global const double* restrict zj,
+inline __attribute__((always_inline)) void subtract_product(__global const double* zi, __global const double* zj,
                              Sums* S) {
   #pragma unroll
   for (int k = 0; k < 3; ++k) {
@@ -106,7 +106,7 @@ inline __attribute__((always_inline)) void subtract_product(__global const doubl
   }
 }
 
-inline __attribute__((always_inline)) void add_to_rhs(__global const double* restrict z, Sums* S) {
+inline __attribute__((always_inline)) void add_to_rhs(__global const double* z, Sums* S) {
   #pragma unroll
   for (int k = 0; k < 3; ++k) {
     #pragma unroll
@@ -117,7 +117,7 @@ inline __attribute__((always_inline)) void add_to_rhs(__global const double* res
   }
 }
 
-inline __attribute__((always_inline)) void store_block(const Sums* S, __global double* restrict out) {
+inline __attribute__((always_inline)) void store_block(const Sums* S, __global double* out) {
 #if !STEREO
   double last[8];
   vstore8(S->column, 0, last);

@@ -41,15 +41,15 @@ __kernel __attribute__((reqd_work_group_size(GROUP_PAIR, 1, 1))) void MODEL(schu
   const bool rhs = item >= BLOCK;
   const int r = rhs ? item - BLOCK : item / DOF;
   const int c = item % DOF;
-  double sum = 0;
+  double sum = 0;  // of S, what is subtracted from it; so that one loop serves S and right-hand side
   if (diagonal) {
     for (int chunk = camera_chunks[at.z]; chunk < camera_chunks[at.z + 1]; ++chunk) {
       const double part = partials[(size_t)chunk * PARTIAL + (size_t)item];
-      sum += rhs ? -part : part;
+      sum -= part;
     }
     __global double* sums = camera_sums + (size_t)at.z * (3 * DOF);
     if (rhs) sums[DOF + r] = -sum;
-    if (!rhs && r == c) sums[2 * DOF + r] = sum;
+    if (!rhs && r == c) sums[2 * DOF + r] = -sum;
   }
   for (int entry = at.x; entry < at.y; ++entry) {
     const int2 slots = entries[entry];
@@ -57,14 +57,12 @@ __kernel __attribute__((reqd_work_group_size(GROUP_PAIR, 1, 1))) void MODEL(schu
     __global const double* zi = eliminated + (size_t)slots.x * ELIMINATED_STRIDE;
     __global const double* zj = eliminated + (size_t)slots.y * ELIMINATED_STRIDE;
     for (int k = 0; k < 3; ++k) {
-      const double left = zi[column_at(k, r)];
-      const double right = zj[rhs ? 27 + k : column_at(k, c)];
-      sum = fma(rhs ? left : -left, right, sum);
+      sum = fma(zi[column_at(k, r)], zj[rhs ? 27 + k : column_at(k, c)], sum);
     }
   }
   if (rhs) {
     camera_sums[(size_t)at.z * (3 * DOF) + (size_t)r] = sum;
   } else {
-    blocks[(size_t)pair * BLOCK + (size_t)item] = sum;
+    blocks[(size_t)pair * BLOCK + (size_t)item] = -sum;
   }
 }

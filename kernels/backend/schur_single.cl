@@ -23,7 +23,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(eliminate_poi
 }
 
 // The rows of Z' as DOF x 3, and y.
-inline __attribute__((always_inline)) void load_columns(__global const float* restrict record, float* z) {
+inline __attribute__((always_inline)) void load_columns(__global const float* record, float* z) {
   for (int k = 0; k < 3; ++k) {
     for (int c = 0; c < COLUMNS; ++c) z[k * DOF + c] = record[8 * k + c];
 #if !STEREO

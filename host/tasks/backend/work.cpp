@@ -55,7 +55,7 @@ struct Terms {
   }
   Ops loss_value(const Shape& shape) const {
     const auto loss = static_cast<Loss>(shape["loss"]);
-    if (loss == Loss::huber) return {4, 1, 1, 1};
+    if (loss == Loss::huber) return {1, 1, 0, 0};  // most residuals are small
     if (loss == Loss::cauchy) return {9, 3, 12, 2};
     return {};
   }
@@ -111,7 +111,7 @@ Work WorkModel::jacobian_update(Variant variant, const Shape& shape) const {
     t.declare(work, Ops{0, 0, terms, 0} * slots + Ops{7, 0, 0, 0} * (chunks * (t.upper + t.dof)));
   }
   const std::uint64_t slot_read = kInt + (6 + t.residuals + 1) * t.bytes;
-  const std::uint64_t camera_reads = variant == Variant::cpu && !t.single ? chunks : slots;
+  const std::uint64_t camera_reads = variant == Variant::cpu && !t.single ? slots / kLanes : slots;
   set_bytes(work, slots * slot_read + camera_reads * kRecord * t.bytes + chunks * 16,
             slots * (kInt + (t.residuals + 1) * t.bytes) + points * 6 * t.bytes +
                 cameras * kRecord * t.bytes + chunks * 16,
@@ -197,7 +197,9 @@ Work WorkModel::schur_complement(Variant variant, const Shape& shape) const {
                        chunks * t.partial * t.bytes + cameras * t.partial * 2 * kInt;
     // Work-items of one group read the same lines.
   } else {
-    work.read_issued = pairs * 16 + entries * (8 + 2 * z) + seen * 3 * t.bytes +
+    // The CPU variant reads rows of eight, and BAL's first factor as scalars and as vectors.
+    const std::uint64_t both = t.single ? 2 * z : (t.stereo ? 18 + 24 : 51 + 27) * t.bytes;
+    work.read_issued = pairs * 16 + entries * (8 + both) + seen * 3 * t.bytes +
                        chunks * t.partial * t.bytes + cameras * 2 * kInt;
   }
   if (variant == Variant::fpga) {
@@ -246,7 +248,7 @@ Work WorkModel::cost(Variant variant, const Shape& shape) const {
           Ops{7, 0, 0, 0} * chunks);
   const std::uint64_t slot_read = kInt + (3 + t.residuals + 1) * t.bytes;
   const std::uint64_t record = (t.stereo ? kRead : kRead - 2) * t.bytes;
-  const std::uint64_t camera_reads = variant == Variant::cpu && !t.single ? chunks : slots;
+  const std::uint64_t camera_reads = variant == Variant::cpu && !t.single ? slots / kLanes : slots;
   set_bytes(work, slots * slot_read + camera_reads * record + chunks * 16,
             slots * (kInt + (t.residuals + 1) * t.bytes) + points * 3 * t.bytes + cameras * record +
                 chunks * 16,
