@@ -142,9 +142,11 @@ Json to_json(const Options& options, const io::BalProblem& bal, const Run& run) 
 std::string iterations_text(const Summary& s, const Console& console) {
   Table table({"iteration", "cost", "change", "gradient", "step", "gain", "radius", "ms", ""});
   for (const backend::Iteration& it : s.iterations) {
-    table.add({std::to_string(it.number), fmt::format("{:.6e}", it.cost),
-               fmt::format("{:.2e}", it.cost_change), fmt::format("{:.2e}", it.gradient),
-               fmt::format("{:.2e}", it.step), fmt::format("{:.2e}", it.gain),
+    const auto of_a_step = [&it](double value) {
+      return it.number == 0 ? "-" : fmt::format("{:.2e}", value);
+    };
+    table.add({std::to_string(it.number), fmt::format("{:.6e}", it.cost), of_a_step(it.cost_change),
+               of_a_step(it.gradient), of_a_step(it.step), of_a_step(it.gain),
                fmt::format("{:.2e}", it.radius), fmt::format("{:.2f}", it.seconds * 1e3),
                it.number == 0 || it.accepted ? "" : "not taken"});
   }

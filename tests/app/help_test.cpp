@@ -26,7 +26,8 @@ TEST(Help, EveryCommandHasExamplesAndJson) {
                                              {"bench", "start"},
                                              {"bench", "simulate"},
                                              {"package"},
-                                             {"generate"}}) {
+                                             {"generate"},
+                                             {"bundle-adjust"}}) {
     std::vector<std::string> words = command;
     words.emplace_back("--help");
     const Outcome outcome = partita(words);
@@ -41,7 +42,8 @@ TEST(Help, TheMainPageListsCommandsAndExitStatuses) {
   const Outcome outcome = partita({"--help"});
   EXPECT_EQ(outcome.status, 0);
   for (const char* command :
-       {"run", "explore", "diff", "devices", "emulate", "verify", "bench", "package", "generate"}) {
+       {"run", "explore", "diff", "devices", "emulate", "verify", "bench", "package", "generate",
+        "bundle-adjust"}) {
     EXPECT_THAT(outcome.out, HasSubstr(std::string("\n  ") + command + " "));
   }
   EXPECT_THAT(outcome.out, HasSubstr("Exit status: 0"));

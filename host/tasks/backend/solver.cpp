@@ -88,8 +88,7 @@ class Minimiser {
     choose_scales();
     linearise();
     summary_.setup_seconds = now() - began_;
-    record({.number = 0, .cost = cost_, .gradient = gradient_, .radius = radius_}, began_,
-           progress);
+    record({.number = 0, .cost = cost_, .radius = radius_}, began_, progress);
     while (summary_.termination.empty()) iterate(progress);
     device_.read_points(problem_.points);
     summary_.final_cost = cost_;
