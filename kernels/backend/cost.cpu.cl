@@ -2,8 +2,8 @@
 // of the trial state, a work-item per chunk, eight observations in a vector.
 #include "backend/double8.clh"
 #include "backend/layout.clh"
-#include "backend/projection.clh"
 #include "backend/point.clh"
+#include "backend/projection.clh"
 
 // steps: DOF of every camera, filled up to 9 with zeros.
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(back_substitute)(
@@ -23,7 +23,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(back_substitu
       __global const double* z = eliminated + (size_t)point_slots[i] * ELIMINATED_STRIDE;
       __global const double* step = steps + (size_t)point_cameras[i] * 9;
       const double8 s = vload8(0, step);
-      #pragma unroll
+#pragma unroll
       for (int k = 0; k < 3; ++k) {
         t[k] = fma(vload8((size_t)k, z), s, t[k]);
         last[k] = fma(z[24 + k], step[8], last[k]);
@@ -33,7 +33,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(back_substitu
                sum8(t[2]) + last[2], blocks + (size_t)point * 9, point_scales + (size_t)point * 3,
                inverse_radius, state + (size_t)point * 3, trial + (size_t)point * 3, total);
   }
-  #pragma unroll
+#pragma unroll
   for (int i = 0; i < 3; ++i) sums[group * 3 + i] = total[i];
 }
 
@@ -54,15 +54,15 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(cost)(
   double8 sum = (double8)(0);
   for (int slot = at.y; slot < at.y + at.z; slot += 8) {
     const int8 first = vload8(0, slot_points + slot) * 3;
-    const double8 x[3] = {gather(state, first), gather(state, first + 1),
-                          gather(state, first + 2)};
+    const double8 x[3] = {gather(state, first), gather(state, first + 1), gather(state, first + 2)};
     double8 m[RESIDUALS];
     double8 r[RESIDUALS];
-    #pragma unroll
-    for (int i = 0; i < RESIDUALS; ++i) m[i] = vload8(0, measured + (size_t)i * (size_t)slots + slot);
+#pragma unroll
+    for (int i = 0; i < RESIDUALS; ++i)
+      m[i] = vload8(0, measured + (size_t)i * (size_t)slots + slot);
     project(camera, x, m, r);
     const double8 weight = vload8(0, weights + slot);
-    #pragma unroll
+#pragma unroll
     for (int i = 0; i < RESIDUALS; ++i) r[i] = r[i] * weight;
     sum += loss_of(squared_norm(r), loss, loss_scale);
   }

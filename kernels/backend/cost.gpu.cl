@@ -1,10 +1,10 @@
 // CC, GPU: a work-item per point, whose sums the group's first adds in order; then a work-group per
 // chunk, a work-item per slot, summed in the CPU variant's order.
 #include "backend/double1.clh"
-#include "backend/layout.clh"
-#include "backend/projection.clh"
-#include "backend/point.clh"
 #include "backend/lanes.clh"
+#include "backend/layout.clh"
+#include "backend/point.clh"
+#include "backend/projection.clh"
 
 __kernel __attribute__((reqd_work_group_size(GROUP_POINTS, 1, 1))) void MODEL(back_substitute)(
     __global const double* restrict eliminated, __global const double* restrict factors,
@@ -13,7 +13,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP_POINTS, 1, 1))) void MODEL(ba
     __global const double* restrict steps, __global const double* restrict point_scales,
     __global const double* restrict state, __global double* restrict trial,
     __global double* restrict sums, int points, double inverse_radius) {
-  __local double step[GROUP_POINTS * 3];   // damping and gradient's share of a coordinate's
+  __local double step[GROUP_POINTS * 3];  // damping and gradient's share of a coordinate's
   __local double change[GROUP_POINTS * 3];
   const int point = (int)get_global_id(0);
   const int item = (int)get_local_id(0);
@@ -43,7 +43,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP_POINTS, 1, 1))) void MODEL(ba
     for (int i = 0; i < count * 3; ++i) {
       const size_t at = (size_t)(first * 3 + i);
       if (item == 0) {
-        sum = model_share(blocks + (size_t)(first + i / 3) * 9, i % 3, step[i], inverse_radius, sum);
+        sum =
+            model_share(blocks + (size_t)(first + i / 3) * 9, i % 3, step[i], inverse_radius, sum);
       } else {
         const double value = item == 1 ? change[i] : state[at];
         sum = fma(value, value, sum);

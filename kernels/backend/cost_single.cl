@@ -1,19 +1,19 @@
 // CC in single precision, one work-item: back-substitution over the points, then the cost chunk by
 // chunk in eight lanes, which also hide an adder's latency.
-#include "common/fpga.clh"
 #include "backend/float1.clh"
-#include "backend/layout.clh"
-#include "backend/projection.clh"
-#include "backend/point.clh"
 #include "backend/lanes.clh"
+#include "backend/layout.clh"
+#include "backend/point.clh"
+#include "backend/projection.clh"
+#include "common/fpga.clh"
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(back_substitute)(
     __global const float* restrict eliminated, __global const float* restrict factors,
     __global const float* restrict blocks, __global const int* restrict point_start,
     __global const int* restrict point_slots, __global const int* restrict point_cameras,
     __global const float* restrict steps, __global const float* restrict point_scales,
-    __global const float* restrict state, __global float* restrict trial, __global float* restrict sums,
-    int points, float inverse_radius) {
+    __global const float* restrict state, __global float* restrict trial,
+    __global float* restrict sums, int points, float inverse_radius) {
   for (int group = 0; group * GROUP_POINTS < points; ++group) {
     const int end = min((group + 1) * GROUP_POINTS, points);
     float total[3] = {0, 0, 0};

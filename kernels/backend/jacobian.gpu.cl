@@ -1,10 +1,10 @@
-// JU, GPU: a work-group per chunk, a work-item per slot; then a work-item per entry of U and g, which
-// adds eight lanes and their sum in the CPU variant's order. Assumptions as there.
+// JU, GPU: a work-group per chunk, a work-item per slot; then a work-item per entry of U and g,
+// which adds eight lanes and their sum in the CPU variant's order. Assumptions as there.
 #include "backend/double1.clh"
-#include "backend/layout.clh"
-#include "backend/projection.clh"
-#include "backend/point.clh"
 #include "backend/lanes.clh"
+#include "backend/layout.clh"
+#include "backend/point.clh"
+#include "backend/projection.clh"
 
 // Of a slot in local memory: the rows of Jc, then r.
 #define ROWS (RESIDUALS * DOF + RESIDUALS)
@@ -23,8 +23,7 @@ __kernel __attribute__((reqd_work_group_size(CHUNK, 1, 1))) void MODEL(jacobian_
     const size_t slot = (size_t)(at.y + item);
     const size_t first = (size_t)slot_points[slot] * 3;
     const double x[3] = {state[first], state[first + 1], state[first + 2]};
-    const double scale[3] = {point_scales[first], point_scales[first + 1],
-                             point_scales[first + 2]};
+    const double scale[3] = {point_scales[first], point_scales[first + 1], point_scales[first + 2]};
     double m[RESIDUALS];
     for (int i = 0; i < RESIDUALS; ++i) m[i] = measured[(size_t)i * (size_t)slots + slot];
     double r[RESIDUALS];
@@ -42,14 +41,15 @@ __kernel __attribute__((reqd_work_group_size(CHUNK, 1, 1))) void MODEL(jacobian_
     const int b = item % DOF;
     // The entries below the diagonal are those above it.
     __local const double* left = rows + min(a, item < BLOCK ? b : a) * CHUNK;
-    __local const double* right = item < BLOCK ? rows + max(a, b) * CHUNK : rows + RESIDUALS * DOF * CHUNK;
+    __local const double* right =
+        item < BLOCK ? rows + max(a, b) * CHUNK : rows + RESIDUALS * DOF * CHUNK;
     const int right_step = item < BLOCK ? DOF * CHUNK : CHUNK;
     double lanes[8] = {0, 0, 0, 0, 0, 0, 0, 0};
     for (int base = 0; base < at.z; base += 8) {
       for (int i = 0; i < RESIDUALS; ++i) {
         for (int lane = 0; lane < 8; ++lane) {
-          lanes[lane] = fma(left[i * DOF * CHUNK + base + lane], right[i * right_step + base + lane],
-                            lanes[lane]);
+          lanes[lane] = fma(left[i * DOF * CHUNK + base + lane],
+                            right[i * right_step + base + lane], lanes[lane]);
         }
       }
     }
@@ -66,7 +66,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP_POINTS, 1, 1))) void MODEL(po
   const int item = (int)get_local_id(0);
   largest[item] = 0;
   if (point < points) {
-    largest[item] = fmax(0.0, point_block(jacobians, point_start, point_slots, point_scales, blocks, point));
+    largest[item] =
+        fmax(0.0, point_block(jacobians, point_start, point_slots, point_scales, blocks, point));
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   if (item == 0) {

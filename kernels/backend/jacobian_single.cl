@@ -1,12 +1,12 @@
 // JU in single precision, one work-item. Assumptions as in jacobian.cpu.cl. A slot enters every
 // fourth cycle (a fourth of its multipliers then exist side by side); sums are fixed-point, so that
 // nothing carried from slot to slot takes longer.
-#include "common/fpga.clh"
 #include "backend/float1.clh"
-#include "backend/layout.clh"
-#include "backend/projection.clh"
-#include "backend/point.clh"
 #include "backend/lanes.clh"
+#include "backend/layout.clh"
+#include "backend/point.clh"
+#include "backend/projection.clh"
+#include "common/fpga.clh"
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(jacobian_update)(
     __global const float* restrict cameras, __global const float* restrict state,
@@ -35,14 +35,16 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(jacobian_upda
       store_record(r, jc, jp, jacobians + slot * JACOBIAN_STRIDE);
       for (int k = 0; k < RESIDUALS; ++k) {
         for (int a = 0; a < DOF; ++a) {
-          for (int b = a; b < DOF; ++b) sums[a * DOF + b] += to_fixed(jc[k * DOF + a] * jc[k * DOF + b]);
+          for (int b = a; b < DOF; ++b)
+            sums[a * DOF + b] += to_fixed(jc[k * DOF + a] * jc[k * DOF + b]);
           sums[BLOCK + a] += to_fixed(jc[k * DOF + a] * r[k]);
         }
       }
     }
     __global float* out = partials + (size_t)chunk * PARTIAL;
     for (int a = 0; a < DOF; ++a) {
-      for (int b = 0; b < DOF; ++b) out[a * DOF + b] = from_fixed(sums[min(a, b) * DOF + max(a, b)]);
+      for (int b = 0; b < DOF; ++b)
+        out[a * DOF + b] = from_fixed(sums[min(a, b) * DOF + max(a, b)]);
       out[BLOCK + a] = from_fixed(sums[BLOCK + a]);
     }
   }
@@ -56,8 +58,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(point_update)
     const int end = min((group + 1) * GROUP_POINTS, points);
     float largest = 0;
     for (int point = group * GROUP_POINTS; point < end; ++point) {
-      largest = fmax(largest, point_block(jacobians, point_start, point_slots, point_scales, blocks,
-                                          point));
+      largest = fmax(largest,
+                     point_block(jacobians, point_start, point_slots, point_scales, blocks, point));
     }
     gradients[group] = largest;
   }

@@ -6,18 +6,18 @@
 #include "backend/point.clh"
 
 inline __attribute__((always_inline)) void eliminate_slot(__global const double* record, Factor f,
-                           __global double* out) {
+                                                          __global double* out) {
   double8 z[3] = {(double8)(0), (double8)(0), (double8)(0)};
   double8 last = (double8)(0, 0, 0, f.y0, f.y1, f.y2, 0, 0);
 #if !STEREO
   double z9[3] = {0, 0, 0};
 #endif
-  #pragma unroll
+#pragma unroll
   for (int i = 0; i < RESIDUALS; ++i) {
     double A[3];
     eliminate_row(f, record + 3 * i, A);
     const double8 row = vload8(0, record + JC + 8 * i);
-    #pragma unroll
+#pragma unroll
     for (int k = 0; k < 3; ++k) {
       z[k] = fma(row, (double8)(A[k]), z[k]);
 #if !STEREO
@@ -28,7 +28,7 @@ inline __attribute__((always_inline)) void eliminate_slot(__global const double*
 #if !STEREO
   last.s012 = (double3)(z9[0], z9[1], z9[2]);
 #endif
-  #pragma unroll
+#pragma unroll
   for (int k = 0; k < 3; ++k) vstore8(z[k], (size_t)k, out);
   vstore8(last, 3, out);
 }
@@ -59,14 +59,15 @@ typedef struct {
 } Sums;
 
 // The sums over the chunks of a camera: U into S and its diagonal, g into the right-hand side.
-inline __attribute__((always_inline)) void begin_diagonal(__global const double* partials, int first, int end, Sums* S,
-                           __global double* out) {
+inline __attribute__((always_inline)) void begin_diagonal(__global const double* partials,
+                                                          int first, int end, Sums* S,
+                                                          __global double* out) {
   double diagonal[DOF];
-  #pragma unroll
+#pragma unroll
   for (int r = 0; r < DOF; ++r) diagonal[r] = 0;
   for (int chunk = first; chunk < end; ++chunk) {
     __global const double* U = partials + (size_t)chunk * PARTIAL;
-    #pragma unroll
+#pragma unroll
     for (int r = 0; r < DOF; ++r) {
 #if STEREO
       S->row[r] += (double8)(vload4(0, U + r * DOF), vload2(0, U + r * DOF + 4), 0, 0);
@@ -81,7 +82,7 @@ inline __attribute__((always_inline)) void begin_diagonal(__global const double*
     S->corner += U[8 * DOF + 8];
 #endif
   }
-  #pragma unroll
+#pragma unroll
   for (int r = 0; r < DOF; ++r) {
     out[DOF + r] = -S->rhs[r];
     out[2 * DOF + r] = diagonal[r];
@@ -89,12 +90,12 @@ inline __attribute__((always_inline)) void begin_diagonal(__global const double*
 }
 
 // S -= Zi Zj'
-inline __attribute__((always_inline)) void subtract_product(__global const double* zi, __global const double* zj,
-                             Sums* S) {
-  #pragma unroll
+inline __attribute__((always_inline)) void subtract_product(__global const double* zi,
+                                                            __global const double* zj, Sums* S) {
+#pragma unroll
   for (int k = 0; k < 3; ++k) {
     const double8 row = vload8((size_t)k, zj);
-    #pragma unroll
+#pragma unroll
     for (int r = 0; r < COLUMNS; ++r) S->row[r] = fma((double8)(-zi[8 * k + r]), row, S->row[r]);
 #if !STEREO
     const double i9 = -zi[24 + k];
@@ -107,9 +108,9 @@ inline __attribute__((always_inline)) void subtract_product(__global const doubl
 }
 
 inline __attribute__((always_inline)) void add_to_rhs(__global const double* z, Sums* S) {
-  #pragma unroll
+#pragma unroll
   for (int k = 0; k < 3; ++k) {
-    #pragma unroll
+#pragma unroll
     for (int r = 0; r < COLUMNS; ++r) S->rhs[r] = fma(z[8 * k + r], z[27 + k], S->rhs[r]);
 #if !STEREO
     S->rhs[8] = fma(z[24 + k], z[27 + k], S->rhs[8]);
@@ -122,11 +123,11 @@ inline __attribute__((always_inline)) void store_block(const Sums* S, __global d
   double last[8];
   vstore8(S->column, 0, last);
 #endif
-  #pragma unroll
+#pragma unroll
   for (int r = 0; r < DOF; ++r) {
     double row[8];
     vstore8(S->row[r], 0, row);
-    #pragma unroll
+#pragma unroll
     for (int c = 0; c < COLUMNS; ++c) out[r * DOF + c] = row[c];
 #if !STEREO
     out[r * DOF + 8] = r < 8 ? last[r] : S->corner;
@@ -145,7 +146,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(schur_complem
   Sums S;
   S.column = (double8)(0);
   S.corner = 0;
-  #pragma unroll
+#pragma unroll
   for (int r = 0; r < DOF; ++r) {
     S.row[r] = (double8)(0);
     S.rhs[r] = 0;
@@ -163,7 +164,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(schur_complem
   }
   store_block(&S, blocks + (size_t)pair * BLOCK);
   if (diagonal) {
-    #pragma unroll
+#pragma unroll
     for (int r = 0; r < DOF; ++r) sums[r] = S.rhs[r];
   }
 }

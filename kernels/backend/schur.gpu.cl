@@ -1,9 +1,9 @@
 // SE, GPU: a work-item per point; then a work-group per pair of cameras, a work-item per entry of
 // its block (and, for a camera with itself, of its right-hand side).
 #include "backend/double1.clh"
+#include "backend/lanes.clh"
 #include "backend/layout.clh"
 #include "backend/point.clh"
-#include "backend/lanes.clh"
 
 #define GROUP_PAIR ((PARTIAL + 31) / 32 * 32)
 
@@ -41,7 +41,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP_PAIR, 1, 1))) void MODEL(schu
   const bool rhs = item >= BLOCK;
   const int r = rhs ? item - BLOCK : item / DOF;
   const int c = item % DOF;
-  double sum = 0;  // of S, what is subtracted from it; so that one loop serves S and right-hand side
+  double sum =
+      0;  // of S, what is subtracted from it; so that one loop serves S and right-hand side
   if (diagonal) {
     for (int chunk = camera_chunks[at.z]; chunk < camera_chunks[at.z + 1]; ++chunk) {
       const double part = partials[(size_t)chunk * PARTIAL + (size_t)item];

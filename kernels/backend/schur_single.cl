@@ -1,10 +1,10 @@
 // SE in single precision, one work-item: points, then pairs of cameras. A pair's entries follow
 // each other every fourth cycle; the block lies in registers, in fixed point.
-#include "common/fpga.clh"
 #include "backend/float1.clh"
+#include "backend/lanes.clh"
 #include "backend/layout.clh"
 #include "backend/point.clh"
-#include "backend/lanes.clh"
+#include "common/fpga.clh"
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(eliminate_points)(
     __global const float* restrict jacobians, __global const int* restrict point_start,
@@ -65,8 +65,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void MODEL(schur_complem
       load_columns(eliminated + (size_t)slots.y * ELIMINATED_STRIDE, zj);
       for (int r = 0; r < DOF; ++r) {
         for (int c = 0; c < DOF; ++c) {
-          const float product = fma(zi[2 * DOF + r], zj[2 * DOF + c],
-                                    fma(zi[DOF + r], zj[DOF + c], zi[r] * zj[c]));
+          const float product =
+              fma(zi[2 * DOF + r], zj[2 * DOF + c], fma(zi[DOF + r], zj[DOF + c], zi[r] * zj[c]));
           S[r * DOF + c] -= to_fixed(product);
         }
       }
