@@ -43,6 +43,7 @@ void add_depth(CLI::App& app, Context& context);
 void add_verify(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
 void add_package(CLI::App& app, Context& context);
+void add_bundle_adjust(CLI::App& app, Context& context);
 void add_generate(CLI::App& app, Context& context);
 void add_track(CLI::App& app, Context& context);
 

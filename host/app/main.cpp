@@ -50,15 +50,16 @@ int parse_and_run(int argc, char** argv, Context& context) {
   add_run(app, context);
   add_explore(app, context);
   add_diff(app, context);
-  add_detect(app, context);
   add_devices(app, context);
   add_emulate(app, context);
   add_depth(app, context);
+  add_detect(app, context);
+  add_track(app, context);
+  add_bundle_adjust(app, context);
   add_verify(app, context);
   add_bench(app, context);
   add_package(app, context);
   add_generate(app, context);
-  add_track(app, context);
 
   // What stands behind "--" belongs to another program; no option of ours may be looked for in it.
   std::vector<std::string> words(argv + 1, argv + argc);

@@ -53,7 +53,11 @@ layer::Container make_container(const profile::DeviceProfile& device,
   if (device.type != profile::DeviceType::fpga) {
     throw Error(fmt::format("{}: is no FPGA, so it takes no container", device.path));
   }
-  const auto specs = tasks::kernels_of(options.tasks, Variant::fpga);
+  auto specs = options.kernels;
+  if (specs.empty()) {
+    specs = options.tasks.empty() ? tasks::vehicle_kernels()
+                                  : tasks::kernels_of(options.tasks, Variant::fpga);
+  }
   if (specs.empty()) throw Error("package: the chosen tasks have no FPGA kernel");
   const Variant text = options.model == runtime::Execute::own ? Variant::fpga : Variant::cpu;
 
@@ -78,9 +82,10 @@ std::string container_name(const std::string& profile, runtime::Execute model) {
   return fmt::format("{}.{}.fpgabin", profile, runtime::to_string(model));
 }
 
-std::string container_for(const profile::DeviceProfile& device, runtime::Execute model) {
+std::string container_for(const profile::DeviceProfile& device, runtime::Execute model,
+                          const std::vector<const KernelSpec*>& kernels) {
   namespace fs = std::filesystem;
-  const layer::Container wanted = make_container(device, {.tasks = {}, .model = model});
+  const layer::Container wanted = make_container(device, {.kernels = kernels, .model = model});
   if (const std::string misfit = model::misfit(wanted.area, device); !misfit.empty()) {
     throw Error(fmt::format("{}: the kernels do not fit: {}", device.path, misfit));
   }
@@ -104,7 +109,8 @@ std::string container_for(const profile::DeviceProfile& device, runtime::Execute
 }
 
 std::string container_for(const runtime::Device& device, const std::string& machine,
-                          runtime::Execute model, const std::string& given) {
+                          runtime::Execute model, const std::string& given,
+                          const std::vector<const KernelSpec*>& kernels) {
   if (!given.empty()) return given;
   if (!device.emulated()) {
     throw Error(fmt::format("{}: takes no source: name its container (an xclbin) with --container",
@@ -112,7 +118,8 @@ std::string container_for(const runtime::Device& device, const std::string& mach
   }
   for (const profile::MachineDevice& candidate :
        profile::load_machine(machine, places().profiles).devices) {
-    if (candidate.profile.id == device.profile) return container_for(candidate.profile, model);
+    if (candidate.profile.id == device.profile)
+      return container_for(candidate.profile, model, kernels);
   }
   throw Error(
       fmt::format("{}: machine {} has no profile {}", device.name, machine, device.profile));

@@ -12,7 +12,9 @@
 namespace partita::app {
 
 struct PackageOptions {
-  std::vector<std::string> tasks;  ///< empty: every task that has FPGA kernels
+  std::vector<std::string> tasks;  ///< empty: those of the vehicle's container
+  /// These instead of the tasks'.
+  std::vector<const runtime::KernelSpec*> kernels = {};
   runtime::Execute model = runtime::Execute::own;
 };
 
@@ -28,13 +30,16 @@ std::string container_name(const std::string& profile, runtime::Execute model);
 
 /// The container for an emulated device: the build's, or, for a profile that the build did not know
 /// or that has changed since, one that is packaged now and kept in the user's cache folder.
-std::string container_for(const profile::DeviceProfile& device, runtime::Execute model);
+/// Holds the vehicle's kernels, or those that are named.
+std::string container_for(const profile::DeviceProfile& device, runtime::Execute model,
+                          const std::vector<const runtime::KernelSpec*>& kernels = {});
 
 /// `given`, if the user named one; else the same by an emulated device that takes no source and the
 /// machine that it belongs to. For a real device without one it throws Error: its container comes
 /// from the vendor's tools.
 std::string container_for(const runtime::Device& device, const std::string& machine,
-                          runtime::Execute model, const std::string& given);
+                          runtime::Execute model, const std::string& given,
+                          const std::vector<const runtime::KernelSpec*>& kernels = {});
 
 }  // namespace partita::app
 

@@ -98,7 +98,13 @@ class Verifier {
                                   device.name, to_string(variant)));
       return;
     }
-    const auto specs = chosen_kernels(options_, variant);
+    auto specs = chosen_kernels(options_, variant);
+    if (!device.accepts_source) {
+      const auto there = tasks::vehicle_kernels();
+      std::erase_if(specs, [&there](const KernelSpec* spec) {
+        return std::find(there.begin(), there.end(), spec) == there.end();
+      });
+    }
     if (specs.empty()) return;
     runtime::SessionOptions session_options;
     session_options.variant = variant;

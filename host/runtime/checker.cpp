@@ -57,6 +57,8 @@ void compare(const ArgSpec& arg, const HostArray& got, const HostArray& expected
       return compare_elements<std::uint64_t>(arg, got, expected, tolerance, result);
     case ElementType::f32:
       return compare_elements<float>(arg, got, expected, tolerance, result);
+    case ElementType::f64:
+      return compare_elements<double>(arg, got, expected, tolerance, result);
   }
 }
 

@@ -40,6 +40,7 @@ std::size_t size_of(ElementType type) {
     case ElementType::f32:
       return 4;
     case ElementType::u64:
+    case ElementType::f64:
       return 8;
   }
   return 1;
@@ -61,6 +62,8 @@ std::string_view to_string(ElementType type) {
       return "int";
     case ElementType::f32:
       return "float";
+    case ElementType::f64:
+      return "double";
     case ElementType::u64:
       return "ulong";
   }

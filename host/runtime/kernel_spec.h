@@ -26,7 +26,7 @@ std::string_view to_string(Variant variant);
 /// Throws Error for anything but "cpu", "gpu", "fpga".
 Variant parse_variant(std::string_view name);
 
-enum class ElementType { u8, i8, u16, i16, u32, i32, u64, f32 };
+enum class ElementType { u8, i8, u16, i16, u32, i32, u64, f32, f64 };
 std::size_t size_of(ElementType type);
 std::string_view to_string(ElementType type);
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/runtime/error.h"
+#include "host/tasks/backend/kernels.h"
 #include "host/tasks/depth/kernels.h"
 #include "host/tasks/detection/kernels.h"
 #include "host/tasks/frontend/kernels.h"
@@ -17,7 +18,8 @@ std::span<const Task> all_tasks() {
   static const std::array tasks{Task{"frontend", frontend::kernel_specs()},
                                 Task{"depth", depth::kernel_specs()},
                                 Task{"detection", detection::kernel_specs()},
-                                Task{"tracking", tracking::kernel_specs()}};
+                                Task{"tracking", tracking::kernel_specs()},
+                                Task{"backend", backend::kernel_specs(), false}};
   return tasks;
 }
 
@@ -42,6 +44,14 @@ std::vector<const runtime::KernelSpec*> kernels_of(std::span<const std::string> 
   }
   for (const std::string& name : tasks) add(find_task(name));
   return kernels;
+}
+
+std::vector<const runtime::KernelSpec*> vehicle_kernels() {
+  std::vector<std::string> tasks;
+  for (const Task& task : all_tasks()) {
+    if (task.in_vehicle) tasks.emplace_back(task.name);
+  }
+  return kernels_of(tasks, runtime::Variant::fpga);
 }
 
 }  // namespace partita::tasks

@@ -30,7 +30,9 @@ TEST(Help, EveryCommandHasExamplesAndJson) {
                                              {"bench", "detect"},
                                              {"package"},
                                              {"generate"},
-                                             {"track"}}) {
+                                             {"detect"},
+                                             {"track"},
+                                             {"bundle-adjust"}}) {
     std::vector<std::string> words = command;
     words.emplace_back("--help");
     const Outcome outcome = partita(words);
@@ -45,8 +47,8 @@ TEST(Help, TheMainPageListsCommandsAndExitStatuses) {
   const Outcome outcome = partita({"--help"});
   EXPECT_EQ(outcome.status, 0);
   for (const char* command :
-       {"run", "explore", "diff", "devices", "emulate", "depth", "track", "verify", "bench",
-        "package", "generate"}) {
+       {"run", "explore", "diff", "devices", "emulate", "depth", "detect", "track",
+        "bundle-adjust", "verify", "bench", "package", "generate"}) {
     EXPECT_THAT(outcome.out, HasSubstr(std::string("\n  ") + command + " "));
   }
   EXPECT_THAT(outcome.out, HasSubstr("Exit status: 0"));

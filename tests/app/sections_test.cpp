@@ -7,6 +7,7 @@
 #include "host/app/text_sections.h"
 #include "host/runtime/error.h"
 #include "host/runtime/program.h"
+#include "host/tasks/backend/kernels.h"
 #include "host/tasks/registry.h"
 
 namespace partita::app {
@@ -70,19 +71,34 @@ class Containers : public ::testing::TestWithParam<runtime::Execute> {
       profile::load_device(PARTITA_SOURCE_PROFILES "/devices/zcu102.yaml");
 };
 
-TEST_P(Containers, HoldEveryFpgaKernelCompilableAndFitting) {
-  const layer::Container container = make_container(device_, {.tasks = {}, .model = GetParam()});
-  EXPECT_EQ(model::misfit(container.area, device_), "");
+void expect_whole(const layer::Container& container, const profile::DeviceProfile& profile,
+                  const std::vector<const runtime::KernelSpec*>& kernels) {
+  EXPECT_EQ(model::misfit(container.area, profile), "");
   EXPECT_EQ(container.device, "zcu102");
   const runtime::Device device = runtime::find_devices().front();
   const cl::Program program = runtime::build_from_source(
       cl::Context(device.cl), device, "container", container.text, container.build_options);
-  for (const runtime::KernelSpec* spec : tasks::kernels_of({}, runtime::Variant::fpga)) {
+  for (const runtime::KernelSpec* spec : kernels) {
     const layer::ContainerKernel* kernel = container.find(spec->name);
     ASSERT_NE(kernel, nullptr) << spec->name;
     EXPECT_EQ(kernel->args.size(), spec->args.size());
     EXPECT_FALSE(kernel->loops.empty()) << spec->name << " declares no loop";
     EXPECT_NO_THROW(cl::Kernel(program, spec->name.c_str())) << spec->name;
+  }
+}
+
+TEST_P(Containers, HoldEveryFpgaKernelOfTheVehicleCompilableAndFitting) {
+  const layer::Container container = make_container(device_, {.tasks = {}, .model = GetParam()});
+  expect_whole(container, device_, tasks::vehicle_kernels());
+}
+
+TEST_P(Containers, OfTheBackEndFitByThemselves) {
+  for (const auto camera : {backend::CameraModel::bal, backend::CameraModel::stereo}) {
+    const auto kernels = backend::kernels(camera, backend::Precision::single).list();
+    const layer::Container container =
+        make_container(device_, {.kernels = kernels, .model = GetParam()});
+    EXPECT_EQ(container.kernels.size(), kernels.size());
+    expect_whole(container, device_, kernels);
   }
 }
 

@@ -14,7 +14,8 @@ import re
 import subprocess
 import sys
 
-ELEMENT_BYTES = {"c": 1, "h": 1, "a": 1, "s": 2, "t": 2, "i": 4, "j": 4, "f": 4, "l": 8, "m": 8}
+ELEMENT_BYTES = {"c": 1, "h": 1, "a": 1, "s": 2, "t": 2, "i": 4, "j": 4, "f": 4, "l": 8, "m": 8,
+                 "d": 8}
 INTEGER = {"add", "sub", "mul", "icmp", "select", "and", "or", "xor", "shl", "lshr", "ashr", "udiv",
            "sdiv", "urem", "srem", "sext", "zext", "trunc"}
 FLOAT = {"fadd", "fsub", "fmul", "fdiv", "fcmp", "fneg", "sitofp", "uitofp", "fptosi", "fptoui"}

@@ -23,7 +23,9 @@ void launch(const partita::runtime::KernelSpec& spec, partita::runtime::Variant 
     const std::uint64_t int_ops =
         work[OpClass::int_add] + work[OpClass::int_mul] + work[OpClass::int_special];
     const std::uint64_t float_ops = work[OpClass::float_add] + work[OpClass::float_mul] +
-                                    work[OpClass::float_fma] + work[OpClass::float_special];
+                                    work[OpClass::float_fma] + work[OpClass::float_special] +
+                                    work[OpClass::double_add] + work[OpClass::double_mul] +
+                                    work[OpClass::double_fma] + work[OpClass::double_special];
     fmt::print("LAUNCH {{\"kernel\": \"{}\", \"variant\": \"{}\", \"shape\": \"{}\", ", spec.name,
                to_string(variant), shape.to_string());
     fmt::print("\"read\": {}, \"written\": {}, \"int_ops\": {}, \"float_ops\": {}}}\n",
