@@ -17,9 +17,15 @@ namespace {
 struct Task {
   const char* name;
   PeerComparison (*compare)(const PeerOptions&, const RoundDone&);
+  bool needs_networks = false;
 };
 
-constexpr std::array kTasks{Task{"depth", compare_depth}};
+constexpr std::array kTasks{Task{"depth", compare_depth},
+                            Task{"street", compare_street},
+                            Task{"yolo-fastest", compare_yolo_fastest, true},
+                            Task{"yolo-fastest-xl", compare_yolo_fastest_xl, true},
+                            Task{"yolov3-tiny", compare_yolov3_tiny, true},
+                            Task{"yolov3", compare_yolov3, true}};
 
 struct PeersOptions {
   std::vector<std::string> tasks;  ///< empty: all
@@ -109,6 +115,13 @@ int peers(PeersOptions options, const Console& console) {
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), task.name) == wanted.end()) {
       continue;
     }
+    if (task.needs_networks && options.common.networks.empty()) {
+      const std::string line =
+          fmt::format("{}: needs --networks with a folder as PARTITA_DATA/detect is", task.name);
+      if (!wanted.empty()) throw UsageError("bench: " + line);
+      console.notice(line + "; skipped");
+      continue;
+    }
     ProgressBar bar(console, fmt::format("bench peers, {}", task.name),
                     static_cast<std::size_t>(options.common.rounds));
     std::size_t done = 0;
@@ -157,6 +170,10 @@ void add_bench_peers(CLI::App& bench, Context& context) {
       ->add_option("--pair", options->pair,
                    "Stereo pair for depth, left and right (default: the scenario's first)")
       ->expected(2);
+  command
+      ->add_option("--networks", options->common.networks,
+                   "Folder of Darknet networks for detection, as PARTITA_DATA/detect is")
+      ->check(CLI::ExistingDirectory);
   command->add_option("--rounds", options->common.rounds, "Measurements of each")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

@@ -17,6 +17,7 @@ struct PeerOptions {
   int rounds = 15;
   unsigned cores = 1;       ///< that either side may use
   std::string left, right;  ///< a stereo pair to use; empty: the built-in scenario's first
+  std::string networks;     ///< folder of Darknet networks; empty: there is none
 };
 
 /// One who does the task, ours or a peer.
@@ -47,6 +48,12 @@ std::vector<std::vector<double>> time_in_turns(std::span<const std::function<voi
                                                int rounds, const RoundDone& done);
 
 PeerComparison compare_depth(const PeerOptions& options, const RoundDone& done);
+PeerComparison compare_street(const PeerOptions& options, const RoundDone& done);
+// With networks of PeerOptions::networks.
+PeerComparison compare_yolo_fastest(const PeerOptions& options, const RoundDone& done);
+PeerComparison compare_yolo_fastest_xl(const PeerOptions& options, const RoundDone& done);
+PeerComparison compare_yolov3_tiny(const PeerOptions& options, const RoundDone& done);
+PeerComparison compare_yolov3(const PeerOptions& options, const RoundDone& done);
 
 }  // namespace partita::app
 
