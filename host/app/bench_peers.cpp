@@ -9,6 +9,7 @@
 
 #include "host/app/bench.h"
 #include "host/app/exit_code.h"
+#include "host/app/stereo_pair.h"
 #include "host/app/wall_clock.h"
 
 namespace partita::app {
@@ -17,15 +18,22 @@ namespace {
 struct Task {
   const char* name;
   PeerComparison (*compare)(const PeerOptions&, const RoundDone&);
-  bool needs_networks = false;
+  std::string PeerOptions::*needs = nullptr;  ///< an input that has no default
+  const char* option = "";                    ///< which gives it
 };
 
-constexpr std::array kTasks{Task{"depth", compare_depth},
-                            Task{"street", compare_street},
-                            Task{"yolo-fastest", compare_yolo_fastest, true},
-                            Task{"yolo-fastest-xl", compare_yolo_fastest_xl, true},
-                            Task{"yolov3-tiny", compare_yolov3_tiny, true},
-                            Task{"yolov3", compare_yolov3, true}};
+constexpr const char* kNetworks = "--networks with a folder as PARTITA_DATA/detect is";
+constexpr const char* kProblem = "--problem with a file as those in PARTITA_DATA/bal";
+
+constexpr std::array kTasks{
+    Task{"features", compare_features},
+    Task{"depth", compare_depth},
+    Task{"street", compare_street},
+    Task{"yolo-fastest", compare_yolo_fastest, &PeerOptions::networks, kNetworks},
+    Task{"yolo-fastest-xl", compare_yolo_fastest_xl, &PeerOptions::networks, kNetworks},
+    Task{"yolov3-tiny", compare_yolov3_tiny, &PeerOptions::networks, kNetworks},
+    Task{"yolov3", compare_yolov3, &PeerOptions::networks, kNetworks},
+    Task{"bundle-adjustment", compare_bundle_adjustment, &PeerOptions::problem, kProblem}};
 
 struct PeersOptions {
   std::vector<std::string> tasks;  ///< empty: all
@@ -115,9 +123,8 @@ int peers(PeersOptions options, const Console& console) {
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), task.name) == wanted.end()) {
       continue;
     }
-    if (task.needs_networks && options.common.networks.empty()) {
-      const std::string line =
-          fmt::format("{}: needs --networks with a folder as PARTITA_DATA/detect is", task.name);
+    if (task.needs != nullptr && (options.common.*task.needs).empty()) {
+      const std::string line = fmt::format("{}: needs {}", task.name, task.option);
       if (!wanted.empty()) throw UsageError("bench: " + line);
       console.notice(line + "; skipped");
       continue;
@@ -155,6 +162,25 @@ std::vector<std::vector<double>> time_in_turns(std::span<const std::function<voi
   return ms;
 }
 
+PeerPair peer_pair(const PeerOptions& options) {
+  PeerPair result;
+  if (!options.left.empty()) {
+    StereoPair pair = read_pair(options.left, options.right);
+    result.left = std::move(pair.left);
+    result.right = std::move(pair.right);
+    result.name = fmt::format("{} and {}", options.left, options.right);
+  } else {
+    const auto scenario = sensing::open_scenario({});
+    sensing::Frame frame = scenario->frame(0);
+    result.name = "first frame of " + scenario->name();
+    result.left = std::move(frame.left);
+    result.right = std::move(frame.right);
+    result.truth = std::move(frame.disparity);
+  }
+  result.name += fmt::format(", {}x{}", result.left.width, result.left.height);
+  return result;
+}
+
 void add_bench_peers(CLI::App& bench, Context& context) {
   CLI::App* command = add_subcommand(
       bench, context, "peers", "Our tasks beside the libraries that do the same, in the same run",
@@ -168,12 +194,16 @@ void add_bench_peers(CLI::App& bench, Context& context) {
       ->check(CLI::IsMember(names));
   command
       ->add_option("--pair", options->pair,
-                   "Stereo pair for depth, left and right (default: the scenario's first)")
+                   "Stereo pair for depth and features (default: the scenario's first)")
       ->expected(2);
   command
       ->add_option("--networks", options->common.networks,
                    "Folder of Darknet networks for detection, as PARTITA_DATA/detect is")
       ->check(CLI::ExistingDirectory);
+  command
+      ->add_option("--problem", options->common.problem,
+                   "Bundle adjustment to solve: a file of Bundle Adjustment in the Large")
+      ->check(CLI::ExistingFile);
   command->add_option("--rounds", options->common.rounds, "Measurements of each")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

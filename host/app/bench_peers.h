@@ -5,20 +5,32 @@
 #define PARTITA_HOST_APP_BENCH_PEERS_H
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "host/app/console.h"
+#include "host/tasks/sensing/frame.h"
 
 namespace partita::app {
 
 struct PeerOptions {
-  int rounds = 15;
+  int rounds = 15;          ///< at least 1
   unsigned cores = 1;       ///< that either side may use
   std::string left, right;  ///< a stereo pair to use; empty: the built-in scenario's first
   std::string networks;     ///< folder of Darknet networks; empty: there is none
+  std::string problem;      ///< file in the format of BAL; empty: there is none
 };
+
+struct PeerPair {
+  std::string name;  ///< "first frame of scenario (seed 1), 1280x720"
+  sensing::GrayImage left, right;
+  std::optional<sensing::FloatImage> truth;  ///< disparities
+};
+
+/// The pair that the options name.
+PeerPair peer_pair(const PeerOptions& options);
 
 /// One who does the task, ours or a peer.
 struct Contestant {
@@ -48,6 +60,9 @@ std::vector<std::vector<double>> time_in_turns(std::span<const std::function<voi
                                                int rounds, const RoundDone& done);
 
 PeerComparison compare_depth(const PeerOptions& options, const RoundDone& done);
+PeerComparison compare_features(const PeerOptions& options, const RoundDone& done);
+/// With PeerOptions::problem.
+PeerComparison compare_bundle_adjustment(const PeerOptions& options, const RoundDone& done);
 PeerComparison compare_street(const PeerOptions& options, const RoundDone& done);
 // With networks of PeerOptions::networks.
 PeerComparison compare_yolo_fastest(const PeerOptions& options, const RoundDone& done);

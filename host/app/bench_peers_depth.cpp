@@ -1,7 +1,5 @@
 // Depth beside OpenCV's semi-global matching (Hirschmüller, "Stereo Processing by Semiglobal
 // Matching and Mutual Information", PAMI 2008), the stereo matcher that most people use.
-#include <memory>
-
 #include <fmt/format.h>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/version.hpp>
@@ -9,7 +7,6 @@
 #include "host/app/bench_peers.h"
 #include "host/app/depth_output.h"
 #include "host/app/environment.h"
-#include "host/app/stereo_pair.h"
 #include "host/runtime/session.h"
 #include "host/tasks/depth/evaluation.h"
 #include "host/tasks/depth/kernels.h"
@@ -19,29 +16,6 @@ namespace {
 
 constexpr int kDisparities = 128;
 constexpr int kBlock = 5;
-
-struct Input {
-  std::string name;
-  StereoPair pair;
-  std::optional<sensing::FloatImage> truth;
-};
-
-Input input_of(const PeerOptions& options) {
-  Input input;
-  if (!options.left.empty()) {
-    input.pair = read_pair(options.left, options.right);
-    input.name = fmt::format("{} and {}", options.left, options.right);
-  } else {
-    const auto scenario = sensing::open_scenario({});
-    sensing::Frame frame = scenario->frame(0);
-    input.name = "first frame of " + scenario->name();
-    input.pair.left = std::move(frame.left);
-    input.pair.right = std::move(frame.right);
-    input.truth = std::move(frame.disparity);
-  }
-  input.name += fmt::format(", {}x{}", input.pair.left.width, input.pair.left.height);
-  return input;
-}
 
 cv::Mat as_mat(const sensing::GrayImage& image) {
   return {image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data())};
@@ -85,9 +59,9 @@ Contestant judged(Contestant contestant, const sensing::FloatImage& map,
 }  // namespace
 
 PeerComparison compare_depth(const PeerOptions& options, const RoundDone& done) {
-  const Input input = input_of(options);
-  const sensing::GrayImage& left = input.pair.left;
-  const sensing::GrayImage& right = input.pair.right;
+  const PeerPair input = peer_pair(options);
+  const sensing::GrayImage& left = input.left;
+  const sensing::GrayImage& right = input.right;
   set_emulation({.machine = kNativeMachine});
   const runtime::Device device = runtime::select_device(runtime::find_devices(), "cpu");
   const runtime::Session session(device, depth::kernel_specs(), {.variant = runtime::Variant::cpu});

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "host/app/bal_problem.h"
 #include "host/app/command.h"
 #include "host/app/environment.h"
 #include "host/app/exit_code.h"
@@ -30,18 +31,6 @@ struct Options {
   backend::SolverOptions solving;
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
-
-backend::Problem to_problem(const io::BalProblem& bal) {
-  backend::Problem problem;
-  problem.cameras = bal.cameras;
-  problem.points = bal.points;
-  problem.observations.reserve(bal.observations.size());
-  for (const io::BalObservation& o : bal.observations) {
-    problem.observations.push_back(
-        {.camera = o.camera, .point = o.point, .measured = {o.x, o.y, 0}});
-  }
-  return problem;
-}
 
 /// What ran where, for the heading.
 struct Run {
@@ -272,7 +261,7 @@ void add_bundle_adjust(CLI::App& app, Context& context) {
       ->capture_default_str();
   command
       ->add_option("--loss-scale", options->solving.loss_scale, "Where the loss bends, in pixels")
-      ->check(rate_range(1e-6, 1e6))
+      ->check(number_range(1e-6, 1e6))
       ->capture_default_str();
   command->add_option("--iterations", options->solving.max_iterations, "At most so many")
       ->check(CLI::Range(0, 100000))
@@ -280,7 +269,7 @@ void add_bundle_adjust(CLI::App& app, Context& context) {
   command
       ->add_option("--function-tolerance", options->solving.function_tolerance,
                    "Ends when the cost changes by less than this share")
-      ->check(rate_range(0, 1))
+      ->check(number_range(0, 1))
       ->capture_default_str();
   command->add_option("--threads", options->threads, "Threads of --solver ceres")
       ->check(CLI::Range(1, 1024))

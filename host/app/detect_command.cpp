@@ -132,8 +132,8 @@ class Detect {
     session.execute = device.emulated() && options_.container.empty() ? runtime::Execute::fast
                                                                       : runtime::Execute::own;
     if (!device.accepts_source) {
-      session.container =
-          container_for(device, options_.machine, session.execute, options_.container);
+      session.container = container_for(device, options_.machine, session.execute,
+                                        options_.container, detection::kernel_specs());
     }
     return {device, detection::kernel_specs(), session};
   }
@@ -262,12 +262,12 @@ void add_detect(CLI::App& app, Context& context) {
       ->check(CLI::IsMember({"letterbox", "stretch"}))
       ->capture_default_str();
   command->add_option("--threshold", options->threshold, "Least score, 0 to 1")
-      ->check(rate_range(0.0, 1.0))
+      ->check(number_range(0.0, 1.0))
       ->capture_default_str();
   command
       ->add_option("--nms", options->overlap,
                    "Largest overlap (IoU) of two objects of one class, 0 to 1")
-      ->check(rate_range(0.0, 1.0))
+      ->check(number_range(0.0, 1.0))
       ->capture_default_str();
   command->add_option("--draw", options->draw, "Folder for pictures with boxes and names");
   command->add_option("--truth", options->truth,

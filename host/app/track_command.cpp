@@ -77,8 +77,8 @@ class SingleTrack {
     const runtime::Device device = runtime::select_device(runtime::find_devices(), options_.device);
     runtime::SessionOptions session_options;
     if (!device.accepts_source) {
-      session_options.container =
-          container_for(device, options_.machine, runtime::Execute::own, options_.container);
+      session_options.container = container_for(device, options_.machine, runtime::Execute::own,
+                                                options_.container, tracking::kernel_specs());
     }
     const runtime::Session session(device, tracking::kernel_specs(), session_options);
     tracking::TrackerParameters parameters;

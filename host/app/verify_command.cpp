@@ -1,5 +1,6 @@
 // partita verify: every kernel against its golden reference, on the devices of a machine.
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include <fmt/format.h>
@@ -60,6 +61,15 @@ std::vector<const KernelSpec*> chosen_kernels(const Options& options, Variant va
   return specs;
 }
 
+/// Those of `specs` that are in `others` too.
+std::vector<const KernelSpec*> common(std::vector<const KernelSpec*> specs,
+                                      const std::vector<const KernelSpec*>& others) {
+  std::erase_if(specs, [&others](const KernelSpec* spec) {
+    return std::find(others.begin(), others.end(), spec) == others.end();
+  });
+  return specs;
+}
+
 void check_kernel_names(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     std::string known;
@@ -98,20 +108,34 @@ class Verifier {
                                   device.name, to_string(variant)));
       return;
     }
-    auto specs = chosen_kernels(options_, variant);
-    if (!device.accepts_source) {
-      const auto there = tasks::vehicle_kernels();
-      std::erase_if(specs, [&there](const KernelSpec* spec) {
-        return std::find(there.begin(), there.end(), spec) == there.end();
-      });
+    const auto specs = chosen_kernels(options_, variant);
+    if (device.accepts_source) {
+      check_kernels(device, variant, specs, {});
+    } else if (!options_.container.empty()) {
+      check_kernels(device, variant, common(specs, tasks::vehicle_kernels()), options_.container);
+    } else {
+      check_by_task(device, variant, specs);
     }
+  }
+
+  /// An FPGA holds one container at a time, and few would hold the circuits of all tasks.
+  void check_by_task(const runtime::Device& device, Variant variant,
+                     const std::vector<const KernelSpec*>& specs) {
+    for (const tasks::Task& task : tasks::all_tasks()) {
+      const auto of_task = tasks::kernels_of(std::array{std::string(task.name)}, variant);
+      const auto chosen = common(specs, of_task);
+      if (chosen.empty()) continue;
+      check_kernels(device, variant, chosen,
+                    container_for(device, options_.machine, runtime::Execute::own, {}, of_task));
+    }
+  }
+
+  void check_kernels(const runtime::Device& device, Variant variant,
+                     const std::vector<const KernelSpec*>& specs, const std::string& container) {
     if (specs.empty()) return;
     runtime::SessionOptions session_options;
     session_options.variant = variant;
-    if (!device.accepts_source) {
-      session_options.container =
-          container_for(device, options_.machine, runtime::Execute::own, options_.container);
-    }
+    session_options.container = container;
     const runtime::Session session(device, specs, session_options);
     ProgressBar bar(console_, device.name, specs.size());
     for (std::size_t done = 0; const KernelSpec* spec : specs) {

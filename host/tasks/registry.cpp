@@ -17,8 +17,8 @@ namespace partita::tasks {
 std::span<const Task> all_tasks() {
   static const std::array tasks{Task{"frontend", frontend::kernel_specs()},
                                 Task{"depth", depth::kernel_specs()},
-                                Task{"detection", detection::kernel_specs()},
-                                Task{"tracking", tracking::kernel_specs()},
+                                Task{"detection", detection::kernel_specs(), false},
+                                Task{"tracking", tracking::kernel_specs(), false},
                                 Task{"backend", backend::kernel_specs(), false}};
   return tasks;
 }

@@ -96,7 +96,7 @@ TEST_P(Programs, AreWhatTheTasksEnqueue) {
 
 /// A network that has every layer, on a GPU: its plan as a program against what a run enqueues.
 TEST(NetworkProgram, IsWhatARunEnqueues) {
-  set_emulation({.machine = "gpu-only", .recording = true});
+  set_emulation({.machine = "dragonfly", .recording = true});
   const testing::TempFolder temp;
   const runtime::Device device = runtime::select_device(runtime::find_devices(), "gpu");
   const runtime::Session session(device, detection::kernel_specs(),
