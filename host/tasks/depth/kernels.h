@@ -16,7 +16,7 @@ std::vector<const runtime::HostSpec*> host_specs();
 const runtime::KernelSpec& sobel_spec();
 /// 16-byte descriptors from the gradients. Shape: width, height.
 const runtime::KernelSpec& descriptor_spec();
-/// Disparities of the support grid. Shape: width, height, max_disparity, step.
+/// Disparities of the support grid. Shape: width, height, max_disparity, step, distinct.
 const runtime::KernelSpec& support_match_spec();
 /// Drops support points that their neighbours contradict. Shape: columns, rows, window.
 const runtime::KernelSpec& support_plausible_spec();
