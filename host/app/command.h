@@ -42,6 +42,7 @@ void add_verify(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
 void add_package(CLI::App& app, Context& context);
 void add_generate(CLI::App& app, Context& context);
+void add_localize(CLI::App& app, Context& context);
 
 }  // namespace partita::app
 

@@ -55,6 +55,7 @@ int parse_and_run(int argc, char** argv, Context& context) {
   add_bench(app, context);
   add_package(app, context);
   add_generate(app, context);
+  add_localize(app, context);
 
   // What stands behind "--" belongs to another program; no option of ours may be looked for in it.
   std::vector<std::string> words(argv + 1, argv + argc);

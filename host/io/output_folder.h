@@ -35,6 +35,7 @@ class OutputFolder {
 inline constexpr const char* kRunWriter = "partita run";
 inline constexpr const char* kExploreWriter = "partita explore";
 inline constexpr const char* kGenerateWriter = "partita generate";
+inline constexpr const char* kLocalizeWriter = "partita localize";
 
 /// Whether `path` holds the mark of something unfinished, whoever's it is.
 bool is_partial(const std::string& path);

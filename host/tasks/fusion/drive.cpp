@@ -125,9 +125,10 @@ DriveResult localize(const SensorLog& log, std::span<const VisualFrame> frames,
 }
 
 std::vector<GapError> all_gaps(const SensorLog& log, const EstimatorOptions& options,
-                               double seconds,
+                               double seconds, std::size_t every,
                                const std::function<void(std::size_t, std::size_t)>& progress) {
   std::vector<GapError> errors;
+  std::size_t gap = 0;
   Estimator estimator(options);
   ImuFeed imu(log.imu);
   const std::vector<Moment> moments = moments_of_fixes(log, {});
@@ -141,6 +142,7 @@ std::vector<GapError> all_gaps(const SensorLog& log, const EstimatorOptions& opt
       return seconds_between(last.timestamp_ns, f.timestamp_ns) >= seconds - 1e-6;
     });
     if (back == log.gps.end()) continue;
+    if (gap++ % std::max<std::size_t>(every, 1) != 0) continue;
     Estimator blind = estimator;
     ImuFeed rest = imu;
     std::optional<NavState> state;
@@ -153,9 +155,12 @@ std::vector<GapError> all_gaps(const SensorLog& log, const EstimatorOptions& opt
     const Eigen::Vector2d off = (state->position - back->position).head<2>();
     Eigen::Matrix2d spread = blind.covariance().block<2, 2>(kPosition, kPosition);
     spread.diagonal().array() += back->sigma * back->sigma;
+    const Eigen::Vector2d way = (back->position - last.position).head<2>().normalized();
     errors.push_back({.from_ns = last.timestamp_ns,
                       .seconds = seconds_between(last.timestamp_ns, back->timestamp_ns),
                       .error = off.norm(),
+                      .ahead = off.dot(way),
+                      .left = way.x() * off.y() - way.y() * off.x(),
                       .sigmas = std::sqrt(std::max(0.0, off.dot(spread.ldlt().solve(off)))),
                       .travelled = (back->position - last.position).head<2>().norm()});
   }

@@ -51,12 +51,15 @@ struct GapError {
   std::int64_t from_ns = 0;  ///< the last fix before
   double seconds = 0;
   double error = 0;    ///< metres, horizontally
+  double ahead = 0;    ///< of it, along the way between the two fixes: thought to be too far
+  double left = 0;     ///< and across
   double sigmas = 0;   ///< in standard deviations, the fix's own among them
   double travelled = 0;  ///< between the two fixes, metres
 };
-/// Every gap of that length that can be cut: after each fix from which the estimate is in the map.
+/// Every gap of that length that can be cut, or every n-th: after each fix from which on the
+/// estimate is in the map.
 std::vector<GapError> all_gaps(const SensorLog& log, const EstimatorOptions& options,
-                               double seconds,
+                               double seconds, std::size_t every = 1,
                                const std::function<void(std::size_t, std::size_t)>& progress = {});
 
 }  // namespace partita::fusion

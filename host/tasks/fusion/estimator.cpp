@@ -255,7 +255,9 @@ void Estimator::use_fix(const GpsFix& fix, StateId id, double sigma) {
     const Eigen::Vector2d velocity(*fix.speed * std::sin(*fix.course),
                                    *fix.speed * std::cos(*fix.course));
     const double along = options_.speed_sigma * alike;
-    const double across = along + *fix.speed * options_.course_sigma * alike;
+    const double turning =
+        imu_.empty() ? 0 : (imu_.back().gyro - state.bias.gyro).norm() * options_.course_lag_seconds;
+    const double across = along + *fix.speed * (options_.course_sigma * alike + turning);
     window_.add(ground_velocity_factor(id, velocity, along, across));
   }
   counts_.longest_gps_gap =

@@ -31,10 +31,12 @@ struct EstimatorOptions {
   bool use_ground_velocity = true;  ///< the GPS's speed and course, where it gives them
 
   /// Errors of neighbouring fixes are alike: within this time they count as one.
-  double gps_correlation_seconds = 1;
+  double gps_correlation_seconds = 0.5;
   double gps_up_factor = 2;       ///< sigma of a fix's height, in those of its position
-  double speed_sigma = 0.5;       ///< m/s
-  double course_sigma = 0.05;     ///< rad
+  double speed_sigma = 0.2;       ///< m/s
+  double course_sigma = 0.02;     ///< rad
+  /// Receivers smooth: on a bend the course is up to this much behind the positions.
+  double course_lag_seconds = 0.6;
   double gate = 5;                ///< a fix further off, in standard deviations, is rejected
   std::size_t relocate_after = 10;  ///< rejected fixes in a row that agree with each other
 };

@@ -18,7 +18,7 @@ struct ImuNoise {
   double accel_density = 5e-2;  ///< m/s^2/sqrt(Hz)
   double gyro_walk = 2e-5;      ///< rad/s^2/sqrt(Hz)
   double accel_walk = 1e-3;     ///< m/s^3/sqrt(Hz)
-  double gyro_bias = 0.02;      ///< standard deviation of the unknown bias at the start, rad/s
+  double gyro_bias = 0.005;     ///< standard deviation of the unknown bias at the start, rad/s
   double accel_bias = 0.3;      ///< the same, m/s^2
 };
 
