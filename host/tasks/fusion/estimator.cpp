@@ -19,6 +19,7 @@ constexpr double kNoImuBias = 1e-3;       ///< holds what nothing measures
 constexpr double kNoImuVelocity = 1.0;
 constexpr double kAlignSigmas = 6;  ///< the way must be this long, in a fix's standard deviations
 constexpr double kAlignMetres = 5;
+constexpr std::int64_t kMostVelocityApartNs = 60'000'000;
 constexpr double kFirstWait = 1.0;  ///< seconds that rest is watched for first
 
 }  // namespace
@@ -111,7 +112,8 @@ void Estimator::try_initialise(const Moment& moment) {
   } else {
     const Matrix3d vehicle =
         options_.wheels ? options_.wheels->R_imu_vehicle : Matrix3d::Identity();
-    const auto initial = initialise_by_gps(imu_, first_fixes_, vehicle, options_.noise);
+    const auto initial = initialise_by_gps(imu_, first_fixes_, vehicle, options_.noise,
+                                           options_.velocity_lag_seconds);
     if (initial) begin(*initial, "by GPS");
   }
 }
@@ -251,19 +253,27 @@ void Estimator::use_fix(const GpsFix& fix, StateId id, double sigma) {
                                    .seconds = seconds_between(state.timestamp_ns, fix.timestamp_ns),
                                    .sigma = weighted,
                                    .sigma_up = weighted * options_.gps_up_factor}));
-  if (options_.use_ground_velocity && fix.speed && fix.course) {
-    const Eigen::Vector2d velocity(*fix.speed * std::sin(*fix.course),
-                                   *fix.speed * std::cos(*fix.course));
-    const double along = options_.speed_sigma * alike;
-    const double turning =
-        imu_.empty() ? 0 : (imu_.back().gyro - state.bias.gyro).norm() * options_.course_lag_seconds;
-    const double across = along + *fix.speed * (options_.course_sigma * alike + turning);
-    window_.add(ground_velocity_factor(id, velocity, along, across));
-  }
+  if (options_.use_ground_velocity && fix.speed && fix.course) use_ground_velocity(fix, alike);
   counts_.longest_gps_gap =
       std::max(counts_.longest_gps_gap, seconds_between(last_used_ns_, fix.timestamp_ns));
   last_used_ns_ = fix.timestamp_ns;
   ++counts_.fixes_used;
+}
+
+void Estimator::use_ground_velocity(const GpsFix& fix, double alike) {
+  const auto then =
+      fix.timestamp_ns - static_cast<std::int64_t>(options_.velocity_lag_seconds * 1e9);
+  const auto apart = [then](const auto& entry) { return std::abs(entry.first - then); };
+  const auto nearest = std::min_element(
+      state_times_.begin(), state_times_.end(),
+      [&apart](const auto& a, const auto& b) { return apart(a) < apart(b); });
+  // Of a time from before the window, it would be taken for a later one.
+  if (apart(*nearest) > kMostVelocityApartNs) return;
+  const Eigen::Vector2d velocity(*fix.speed * std::sin(*fix.course),
+                                 *fix.speed * std::cos(*fix.course));
+  const double along = options_.speed_sigma * alike;
+  const double across = along + *fix.speed * options_.course_sigma * alike;
+  window_.add(ground_velocity_factor(nearest->second, velocity, along, across));
 }
 
 /// One fix far off is an outlier; many in a row that move as the vehicle does are where it is.

@@ -22,7 +22,7 @@
 namespace partita::fusion {
 
 struct EstimatorOptions {
-  std::size_t window = 10;  ///< states, at least 2
+  std::size_t window = 8;   ///< states, at least 2
   int iterations = 4;       ///< of the solver at each moment
   ImuNoise noise;
   bool has_imu = true;
@@ -35,8 +35,8 @@ struct EstimatorOptions {
   double gps_up_factor = 2;       ///< sigma of a fix's height, in those of its position
   double speed_sigma = 0.2;       ///< m/s
   double course_sigma = 0.02;     ///< rad
-  /// Receivers smooth: on a bend the course is up to this much behind the positions.
-  double course_lag_seconds = 0.6;
+  /// Receivers smooth: speed and course are what they were so long before.
+  double velocity_lag_seconds = 0.4;
   double gate = 5;                ///< a fix further off, in standard deviations, is rejected
   std::size_t relocate_after = 10;  ///< rejected fixes in a row that agree with each other
 };
@@ -103,6 +103,7 @@ class Estimator {
   void add_wheels(const Moment& moment);
   void add_fixes(const Moment& moment);
   void use_fix(const GpsFix& fix, StateId id, double sigma);
+  void use_ground_velocity(const GpsFix& fix, double alike);
   void judge(const GpsFix& fix, const StateMatrix& covariance);
   void relocate(const GpsFix& fix);
   void align(const Moment& moment);

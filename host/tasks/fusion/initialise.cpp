@@ -126,7 +126,8 @@ Initial initialise_at_rest(const Rest& rest, std::int64_t time_ns, const ImuNois
 
 std::optional<Initial> initialise_by_gps(std::span<const ImuSample> samples,
                                          std::span<const GpsFix> all,
-                                         const Matrix3d& R_imu_vehicle, const ImuNoise& noise) {
+                                         const Matrix3d& R_imu_vehicle, const ImuNoise& noise,
+                                         double velocity_lag_seconds) {
   const std::span<const GpsFix> fixes = last_consistent(all);
   if (fixes.size() < 2 || samples.empty()) return std::nullopt;
   const std::optional<GroundVelocity> moving = ground_velocity(fixes);
@@ -145,6 +146,10 @@ std::optional<Initial> initialise_by_gps(std::span<const ImuSample> samples,
   state.timestamp_ns = fixes.back().timestamp_ns;
   state.position = fixes.back().position;
   state.velocity = moving->velocity;
+  if (fixes.back().course) {
+    state.velocity =
+        so3::exp(Vector3d(0, 0, gyro.dot(up) * velocity_lag_seconds)) * state.velocity;
+  }
   // Turn the levelled attitude so that the vehicle's nose points along the velocity.
   const Matrix3d levelled = level(up);
   const Vector3d nose = levelled * R_imu_vehicle.col(0);

@@ -45,11 +45,13 @@ inline constexpr double kRestSeconds = 0.5;
 Initial initialise_at_rest(const Rest& rest, std::int64_t time_ns, const ImuNoise& noise);
 
 /// On the move, by GPS: velocity and yaw from speed and course, or from a line through the fixes;
-/// gravity from the mean specific force less the acceleration that turning makes. Nothing where the
+/// gravity from the mean specific force less the acceleration that turning makes. The course is
+/// turned on by what the gyro shows over the receiver's lag. Nothing where the
 /// fixes do not say where the vehicle heads. `R_imu_vehicle`: see WheelConstraint.
 std::optional<Initial> initialise_by_gps(std::span<const ImuSample> samples,
                                          std::span<const GpsFix> fixes,
-                                         const Matrix3d& R_imu_vehicle, const ImuNoise& noise);
+                                         const Matrix3d& R_imu_vehicle, const ImuNoise& noise,
+                                         double velocity_lag_seconds);
 
 /// The camera's motion between two times.
 struct TimedMotion {
