@@ -103,7 +103,8 @@ void Estimator::try_initialise(const Moment& moment) {
   if (!first_fixes_.empty() && first_fixes_.back().speed) {
     moves = moves || *first_fixes_.back().speed > kStillSpeed;
   }
-  if (rest.still && !moves) {
+  const bool seen_still = !first_motions_.empty() && rest.steady;
+  if ((rest.still || seen_still) && !moves) {
     begin(initialise_at_rest(rest, now, options_.noise), "at rest");
   } else if (!first_motions_.empty()) {
     const auto initial =
@@ -184,7 +185,9 @@ void Estimator::add_vision(const Moment& moment, const NavState& predicted) {
 
 void Estimator::add_wheels(const Moment& moment) {
   const StateId id = window_.states().last();
-  if (options_.wheels) {
+  // Roads do slope, and a camera ahead of the rear axle does move sideways on a bend: what vision
+  // sees of the motion is better than that.
+  if (options_.wheels && !moment.motion) {
     window_.add(wheel_factor(id, *options_.wheels));
     if (const auto& times = state_times_; times.size() > 1) {
       const std::int64_t before = times[times.size() - 2].first;
@@ -198,7 +201,8 @@ void Estimator::add_wheels(const Moment& moment) {
   const bool seen_moving =
       (moment.motion && moment.motion->T_from_to.translation().norm() > kStillMotion) ||
       window_.newest().velocity.norm() > kStillSpeed;
-  if (!rest.still || seen_moving) return;
+  const bool seen_still = moment.motion && rest.steady;
+  if (!(rest.still || seen_still) || seen_moving) return;
   ++counts_.standstill;
   window_.add(standstill_factor(id, rest.mean_gyro, kStillVelocity,
                                 options_.noise.gyro_density / std::sqrt(rest.seconds) + 1e-4));
@@ -245,22 +249,23 @@ void Estimator::judge(const GpsFix& fix, const StateMatrix& covariance) {
 
 void Estimator::use_fix(const GpsFix& fix, StateId id, double sigma) {
   const NavState& state = window_.states().at(id);
-  const double alike =
-      fix_period_ > 0 ? std::sqrt(std::max(1.0, options_.gps_correlation_seconds / fix_period_))
-                      : 1.0;
-  const double weighted = sigma * alike;
+  const double weighted = sigma * alike(options_.gps_correlation_seconds);
   window_.add(position_factor(id, {.position = fix.position,
                                    .seconds = seconds_between(state.timestamp_ns, fix.timestamp_ns),
                                    .sigma = weighted,
                                    .sigma_up = weighted * options_.gps_up_factor}));
-  if (options_.use_ground_velocity && fix.speed && fix.course) use_ground_velocity(fix, alike);
+  if (options_.use_ground_velocity && fix.speed && fix.course) use_ground_velocity(fix);
   counts_.longest_gps_gap =
       std::max(counts_.longest_gps_gap, seconds_between(last_used_ns_, fix.timestamp_ns));
   last_used_ns_ = fix.timestamp_ns;
   ++counts_.fixes_used;
 }
 
-void Estimator::use_ground_velocity(const GpsFix& fix, double alike) {
+double Estimator::alike(double seconds) const {
+  return fix_period_ > 0 ? std::sqrt(std::max(1.0, seconds / fix_period_)) : 1.0;
+}
+
+void Estimator::use_ground_velocity(const GpsFix& fix) {
   const auto then =
       fix.timestamp_ns - static_cast<std::int64_t>(options_.velocity_lag_seconds * 1e9);
   const auto apart = [then](const auto& entry) { return std::abs(entry.first - then); };
@@ -271,8 +276,9 @@ void Estimator::use_ground_velocity(const GpsFix& fix, double alike) {
   if (apart(*nearest) > kMostVelocityApartNs) return;
   const Eigen::Vector2d velocity(*fix.speed * std::sin(*fix.course),
                                  *fix.speed * std::cos(*fix.course));
-  const double along = options_.speed_sigma * alike;
-  const double across = along + *fix.speed * options_.course_sigma * alike;
+  const double grown = alike(options_.velocity_correlation_seconds);
+  const double along = options_.speed_sigma * grown;
+  const double across = along + *fix.speed * options_.course_sigma * grown;
   window_.add(ground_velocity_factor(nearest->second, velocity, along, across));
 }
 

@@ -30,8 +30,10 @@ struct EstimatorOptions {
   std::optional<WheelConstraint> wheels;
   bool use_ground_velocity = true;  ///< the GPS's speed and course, where it gives them
 
-  /// Errors of neighbouring fixes are alike: within this time they count as one.
-  double gps_correlation_seconds = 0.5;
+  /// Errors of neighbouring fixes are alike: within this time they count as one. A receiver's
+  /// positions wander for seconds, its speed and course less.
+  double gps_correlation_seconds = 4;
+  double velocity_correlation_seconds = 0.5;
   double gps_up_factor = 2;       ///< sigma of a fix's height, in those of its position
   double speed_sigma = 0.2;       ///< m/s
   double course_sigma = 0.02;     ///< rad
@@ -103,7 +105,9 @@ class Estimator {
   void add_wheels(const Moment& moment);
   void add_fixes(const Moment& moment);
   void use_fix(const GpsFix& fix, StateId id, double sigma);
-  void use_ground_velocity(const GpsFix& fix, double alike);
+  void use_ground_velocity(const GpsFix& fix);
+  /// By how much the standard deviation of a fix grows where so many seconds of them count as one.
+  double alike(double seconds) const;
   void judge(const GpsFix& fix, const StateMatrix& covariance);
   void relocate(const GpsFix& fix);
   void align(const Moment& moment);

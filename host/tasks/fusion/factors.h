@@ -69,7 +69,7 @@ struct WheelConstraint {
   double sigma_up = 0.3;        ///< m/s
   double sigma_climb = 0.5;     ///< velocity along the world's vertical, m/s
   double sigma_tilt = 0.1;      ///< rad
-  double speed_walk = 0.5;      ///< standard deviation of the speed's change in a second, m/s
+  double speed_walk = 0.3;      ///< standard deviation of the speed's change in a second, m/s
 };
 FactorPtr wheel_factor(StateId id, const WheelConstraint& constraint);
 /// The speed's change over `seconds` between two states.

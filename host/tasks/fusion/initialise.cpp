@@ -11,6 +11,8 @@ namespace {
 constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kStillGyro = 0.02;     ///< rad/s
 constexpr double kStillAccel = 0.15;    ///< m/s^2
+constexpr double kSteadyGyro = 0.15;    ///< rad/s
+constexpr double kSteadyAccel = 1.5;    ///< m/s^2
 constexpr double kMostStillTurn = 0.15;  ///< mean rate, rad/s: a bias, no turn
 constexpr double kFreeYaw = 0.5;        ///< nothing depends on where a local world points to
 constexpr double kFreePosition = 10;    ///< nor on where its origin is
@@ -106,9 +108,11 @@ Rest observe_rest(std::span<const ImuSample> samples) {
   }
   rest.gyro_deviation = std::sqrt(gyro);
   rest.accel_deviation = std::sqrt(accel);
-  rest.still = rest.seconds >= kRestSeconds && rest.gyro_deviation < kStillGyro &&
-               rest.accel_deviation < kStillAccel && rest.mean_gyro.norm() < kMostStillTurn &&
-               std::abs(rest.mean_accel.norm() - kGravity) < 0.1 * kGravity;
+  rest.steady = rest.seconds >= kRestSeconds && rest.gyro_deviation < kSteadyGyro &&
+                rest.accel_deviation < kSteadyAccel && rest.mean_gyro.norm() < kMostStillTurn &&
+                std::abs(rest.mean_accel.norm() - kGravity) < 0.1 * kGravity;
+  rest.still = rest.steady && rest.gyro_deviation < kStillGyro &&
+               rest.accel_deviation < kStillAccel;
   return rest;
 }
 

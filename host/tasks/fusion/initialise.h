@@ -27,7 +27,8 @@ Matrix3d level(const Vector3d& up);
 
 /// What a stretch of readings says about whether the unit stands still.
 struct Rest {
-  bool still = false;
+  bool still = false;   ///< scatters as little as a unit's own noise and an idling engine make it
+  bool steady = false;  ///< no more than running rotors or a road: another sensor has to confirm it
   double seconds = 0;
   Vector3d mean_gyro = Vector3d::Zero();
   Vector3d mean_accel = Vector3d::Zero();

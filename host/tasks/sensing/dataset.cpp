@@ -80,6 +80,7 @@ Dataset open_drive_csv(const std::string& path) {
     throw Error(fmt::format("{}: no inertial reading that can be used", files.front().string()));
   }
   settle_conventions(dataset.log);
+  measure_noise(dataset.log);
   return dataset;
 }
 
@@ -91,6 +92,7 @@ Dataset open_kitti_odometry(const std::string& folder) {
   std::optional<LocalMap> origin;
   if (fs::exists(imu)) read_drive_csv(imu.string(), dataset.log, origin);
   if (fs::exists(gps)) read_drive_csv(gps.string(), dataset.log, origin);
+  measure_noise(dataset.log);
   dataset.log.R_imu_vehicle = vehicle_in_camera_axes();
   if (const auto poses = dataset.frames->true_poses()) {
     for (std::size_t i = 0; i < poses->size(); ++i) {

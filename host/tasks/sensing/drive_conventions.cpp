@@ -1,5 +1,6 @@
 // How a logger's unit is mounted, from the drive itself: gravity says which axis is vertical, and
 // the turns that GPS saw say which way along it is up.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -93,6 +94,27 @@ void settle_conventions(SensorLog& log) {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   if (up < 0) R.diagonal() << 1, -1, -1;  // forward, right, down
   log.R_imu_vehicle = R;
+}
+
+void measure_noise(SensorLog& log) {
+  if (log.imu.size() < 100) return;
+  std::vector<double> gyro, accel;
+  for (std::size_t i = 1; i < log.imu.size(); ++i) {
+    gyro.push_back((log.imu[i].gyro - log.imu[i - 1].gyro).norm());
+    accel.push_back((log.imu[i].accel - log.imu[i - 1].accel).norm());
+  }
+  const double seconds =
+      static_cast<double>(log.imu.back().timestamp_ns - log.imu.front().timestamp_ns) * 1e-9 /
+      static_cast<double>(log.imu.size() - 1);
+  const auto density = [seconds](std::vector<double>& steps) {
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    // The median length of a difference of two readings, in three dimensions, is 1.54 sqrt(2) sigma.
+    return 4 * *middle / (1.54 * std::sqrt(2.0)) * std::sqrt(seconds);
+  };
+  constexpr double kLeastGyro = 1e-4, kLeastAccel = 2e-3;  // no unit is better than that in use
+  log.noise.gyro_density = std::max(kLeastGyro, density(gyro));
+  log.noise.accel_density = std::max(kLeastAccel, density(accel));
 }
 
 }  // namespace partita::sensing

@@ -31,6 +31,10 @@ void read_drive_csv(const std::string& path, SensorLog& log, std::optional<Local
 /// of the GPS's course show it. For logs without a calibration only.
 void settle_conventions(SensorLog& log);
 
+/// Noise densities of a unit without a data sheet: what neighbouring readings differ by, four times
+/// over, as vibration and the unit's errors of scale are not white.
+void measure_noise(SensorLog& log);
+
 }  // namespace partita::sensing
 
 #endif  // PARTITA_HOST_TASKS_SENSING_DRIVE_CSV_H

@@ -6,6 +6,7 @@
 
 #include "host/runtime/error.h"
 #include "host/tasks/sensing/dataset.h"
+#include "host/tasks/sensing/drive_csv.h"
 #include "host/tasks/sensing/frame.h"
 #include "host/tasks/sensing/scenario_motion.h"
 #include "host/tasks/sensing/scenario_raster.h"
@@ -162,6 +163,7 @@ Dataset open_scenario_drive(const ScenarioOptions& options) {
   dataset.kind = "scenario";
   dataset.frames = open_scenario(options);
   dataset.log = scenario_log(*dataset.frames, Motion(options.seed));
+  measure_noise(dataset.log);
   return dataset;
 }
 
