@@ -22,7 +22,7 @@
 namespace partita::fusion {
 
 struct EstimatorOptions {
-  std::size_t window = 8;   ///< states, at least 2
+  std::size_t window = 10;  ///< states, at least 2
   int iterations = 4;       ///< of the solver at each moment
   ImuNoise noise;
   bool has_imu = true;
@@ -38,7 +38,7 @@ struct EstimatorOptions {
   double speed_sigma = 0.2;       ///< m/s
   double course_sigma = 0.02;     ///< rad
   /// Receivers smooth: speed and course are what they were so long before.
-  double velocity_lag_seconds = 0.4;
+  double velocity_lag_seconds = 0.6;
   double gate = 5;                ///< a fix further off, in standard deviations, is rejected
   std::size_t relocate_after = 10;  ///< rejected fixes in a row that agree with each other
 };
