@@ -36,16 +36,17 @@ CLI::Validator number_range(double least, double most);
 void add_run(CLI::App& app, Context& context);
 void add_explore(CLI::App& app, Context& context);
 void add_diff(CLI::App& app, Context& context);
-void add_detect(CLI::App& app, Context& context);
 void add_devices(CLI::App& app, Context& context);
 void add_emulate(CLI::App& app, Context& context);
 void add_depth(CLI::App& app, Context& context);
+void add_detect(CLI::App& app, Context& context);
+void add_track(CLI::App& app, Context& context);
+void add_localize(CLI::App& app, Context& context);
+void add_bundle_adjust(CLI::App& app, Context& context);
 void add_verify(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
 void add_package(CLI::App& app, Context& context);
-void add_bundle_adjust(CLI::App& app, Context& context);
 void add_generate(CLI::App& app, Context& context);
-void add_track(CLI::App& app, Context& context);
 
 }  // namespace partita::app
 

@@ -55,6 +55,7 @@ int parse_and_run(int argc, char** argv, Context& context) {
   add_depth(app, context);
   add_detect(app, context);
   add_track(app, context);
+  add_localize(app, context);
   add_bundle_adjust(app, context);
   add_verify(app, context);
   add_bench(app, context);

@@ -36,6 +36,7 @@ inline constexpr const char* kRunWriter = "partita run";
 inline constexpr const char* kExploreWriter = "partita explore";
 inline constexpr const char* kGenerateWriter = "partita generate";
 inline constexpr const char* kTrackWriter = "partita track";
+inline constexpr const char* kLocalizeWriter = "partita localize";
 
 /// Whether `path` holds the mark of something unfinished, whoever's it is.
 bool is_partial(const std::string& path);

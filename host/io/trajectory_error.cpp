@@ -82,6 +82,23 @@ Eigen::Isometry3d align(const std::vector<Eigen::Vector3d>& from,
   return result;
 }
 
+RelativeError relative_error(const Trajectory& estimate, const Trajectory& truth) {
+  if (estimate.size() != truth.size() || truth.size() < 2) {
+    throw Error(fmt::format("cannot compare trajectories: {} estimated poses, {} true ones",
+                            estimate.size(), truth.size()));
+  }
+  double translation = 0, rotation = 0;
+  for (std::size_t i = 1; i < truth.size(); ++i) {
+    const Eigen::Isometry3d error = (estimate[i - 1].inverse() * estimate[i]).inverse() *
+                                    (truth[i - 1].inverse() * truth[i]);
+    translation += error.translation().squaredNorm();
+    const double angle = Eigen::AngleAxisd(error.linear()).angle() * kDegrees;
+    rotation += angle * angle;
+  }
+  const auto steps = static_cast<double>(truth.size() - 1);
+  return {std::sqrt(translation / steps), std::sqrt(rotation / steps)};
+}
+
 TrajectoryError trajectory_error(const Trajectory& estimate, const Trajectory& truth) {
   if (estimate.size() != truth.size() || truth.empty()) {
     throw Error(fmt::format("cannot compare trajectories: {} estimated poses, {} true ones",

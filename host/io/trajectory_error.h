@@ -33,6 +33,15 @@ struct TrajectoryError {
 Eigen::Isometry3d align(const std::vector<Eigen::Vector3d>& from,
                         const std::vector<Eigen::Vector3d>& onto);
 
+/// Relative pose error between neighbouring poses (Sturm et al., "A benchmark for the evaluation of
+/// RGB-D SLAM systems", IROS 2012): root mean square of what the estimated motion differs by.
+struct RelativeError {
+  double translation_rmse = 0;  ///< metres
+  double rotation_rmse_degrees = 0;
+};
+/// Equal sizes, at least 2.
+RelativeError relative_error(const Trajectory& estimate, const Trajectory& truth);
+
 /// Both trajectories hold one pose per frame, in the same order. Throws Error when their lengths
 /// differ or are 0.
 TrajectoryError trajectory_error(const Trajectory& estimate, const Trajectory& truth);

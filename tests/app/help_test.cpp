@@ -32,6 +32,7 @@ TEST(Help, EveryCommandHasExamplesAndJson) {
                                              {"generate"},
                                              {"detect"},
                                              {"track"},
+                                             {"localize"},
                                              {"bundle-adjust"}}) {
     std::vector<std::string> words = command;
     words.emplace_back("--help");
@@ -47,7 +48,7 @@ TEST(Help, TheMainPageListsCommandsAndExitStatuses) {
   const Outcome outcome = partita({"--help"});
   EXPECT_EQ(outcome.status, 0);
   for (const char* command :
-       {"run", "explore", "diff", "devices", "emulate", "depth", "detect", "track",
+       {"run", "explore", "diff", "devices", "emulate", "depth", "detect", "track", "localize",
         "bundle-adjust", "verify", "bench", "package", "generate"}) {
     EXPECT_THAT(outcome.out, HasSubstr(std::string("\n  ") + command + " "));
   }

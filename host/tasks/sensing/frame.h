@@ -73,6 +73,9 @@ struct GpsFix {
   std::int64_t timestamp_ns = 0;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   double sigma = 0;  ///< standard deviation of each horizontal coordinate, metres
+  std::optional<double> speed = {};   ///< over ground, m/s
+  std::optional<double> course = {};  ///< where it moves to, rad clockwise from north
+  std::size_t line = 0;               ///< of the file that it is from, 0: none
 };
 
 enum class ObjectClass : std::uint8_t { car, pedestrian, cyclist };

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include "host/runtime/error.h"
+#include "host/tasks/sensing/dataset.h"
+#include "host/tasks/sensing/drive_csv.h"
 #include "host/tasks/sensing/frame.h"
 #include "host/tasks/sensing/scenario_motion.h"
 #include "host/tasks/sensing/scenario_raster.h"
@@ -140,7 +142,30 @@ void Scenario::add_truth(Frame& f, const World& world, const View& view,
             [](const ObjectBox& a, const ObjectBox& b) { return a.id < b.id; });
 }
 
+/// The readings that all frames together carry.
+SensorLog scenario_log(const FrameSource& frames, const Motion& motion) {
+  SensorLog log;
+  const std::int64_t end = frames.timestamp_ns(frames.size() - 1);
+  for (std::int64_t k = 0; k * Motion::kImuPeriodNs <= end; ++k) log.imu.push_back(motion.imu(k));
+  for (std::int64_t k = 0; k * Motion::kGpsPeriodNs <= end; ++k) log.gps.push_back(motion.gps(k));
+  log.R_imu_vehicle = vehicle_in_camera_axes();
+  const std::vector<Pose> poses = *frames.true_poses();
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    log.truth.push_back({frames.timestamp_ns(i), poses[i], {}, {}, {}});
+  }
+  return log;
+}
+
 }  // namespace
+
+Dataset open_scenario_drive(const ScenarioOptions& options) {
+  Dataset dataset;
+  dataset.kind = "scenario";
+  dataset.frames = open_scenario(options);
+  dataset.log = scenario_log(*dataset.frames, Motion(options.seed));
+  measure_noise(dataset.log);
+  return dataset;
+}
 
 std::unique_ptr<FrameSource> open_scenario(const ScenarioOptions& options) {
   check(options);
