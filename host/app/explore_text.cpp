@@ -165,9 +165,7 @@ class ExplorationText {
     text += task_table(best);
     const auto& works = report_.workload.tasks;
     if (std::any_of(works.begin(), works.end(), [](const auto& task) { return task.outline; })) {
-      text +=
-          "* takes part by its Work alone, counted from the algorithm: its kernels are not "
-          "written yet\n";
+      text += "* takes part by its Work alone, counted from the algorithm and not from kernels\n";
     }
     text += "\n";
     return text + figures(best);

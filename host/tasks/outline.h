@@ -1,6 +1,6 @@
-// Outlines: tasks whose kernels are not written yet take part in a prediction by their Work, which
-// follows from the algorithm alone: operations counted from its formulas, bytes from its data. No
-// published time goes in. When the kernels come, their specs replace these.
+// Outlines: tasks whose kernels the pipeline does not have yet take part in a prediction by their
+// Work, which follows from the algorithm alone: operations counted from its formulas, bytes from its
+// data. No published time goes in. When the kernels come, their specs replace these.
 #ifndef PARTITA_HOST_TASKS_OUTLINE_H
 #define PARTITA_HOST_TASKS_OUTLINE_H
 

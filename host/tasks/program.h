@@ -66,7 +66,7 @@ struct Sensors {
 /// A task as the partitioner takes it. With no kernels it runs on the CPU of a node.
 struct TaskExport {
   std::string name;
-  bool outline = false;  ///< its kernels are not written yet: it is known by its Work alone
+  bool outline = false;  ///< its Work is counted from the algorithm, not from kernels
   std::vector<const runtime::KernelSpec*> kernels;
   std::vector<Program> frames;  ///< one per recorded frame, or a single one for all
   std::vector<Output> outputs;

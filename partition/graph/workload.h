@@ -61,7 +61,8 @@ struct Output {
 
 struct TaskWork {
   std::string name;
-  /// Its kernels are not written yet: it takes part by its Work alone, and is marked as such.
+  /// It takes part by its Work alone, counted from the algorithm and not from kernels, and is marked
+  /// as such.
   bool outline = false;
   /// Has no kernels: it runs on the CPU of a node.
   bool host_only = false;

@@ -78,8 +78,8 @@ TEST(AppWorkload, HasEveryTaskOfThePipeline) {
   EXPECT_EQ(workload.hash, typical_workload(pipeline()).hash);
   EXPECT_EQ(workload.frame_count(), 1u);
   for (const TaskWork& task : workload.tasks) {
-    const bool written =
-        task.name == "frontend" || task.name == "depth" || task.name == "tracking";
+    const bool written = task.name == "frontend" || task.name == "depth" ||
+                         task.name == "detection" || task.name == "tracking";
     EXPECT_EQ(task.outline, !written) << task.name;
     EXPECT_FALSE(task.outputs.empty()) << task.name;
     EXPECT_FALSE(task.frames[0].empty()) << task.name;

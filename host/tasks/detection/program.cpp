@@ -98,7 +98,7 @@ tasks::TaskExport export_task(const tasks::Sensors& sensors) {
   program.host(decode_spec(),
                {{"boxes", boxes}, {"entries", entries}, {"candidates", kCandidates}});
   program.host(suppress_spec(), {{"candidates", kCandidates}});
-  tasks::TaskExport task{.name = "detection", .outline = true};
+  tasks::TaskExport task{.name = "detection"};
   task.kernels = kernel_specs();
   task.frames = {program};
   task.outputs = {{"detections", kDetections * kCandidateBytes}};
