@@ -1,5 +1,6 @@
 #include "host/tasks/backend/cases.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
@@ -276,7 +277,8 @@ Problem random_problem(CameraModel model, int cameras, int points, int seen, std
   if (cameras > 2) problem.cameras[1][0] = problem.cameras[1][1] = problem.cameras[1][2] = 0;
   for (int i = 0; i < points; ++i) {
     problem.points.push_back({random.between(-3, 3), random.between(-2, 2), random.between(-3, 3)});
-    const int count = random.below(2 * seen + 1);
+    const int drawn = random.below(2 * seen + 1);
+    const int count = problem.observations.empty() ? std::max(1, drawn) : drawn;
     for (int k = 0; k < count; ++k) {
       Observation o{.camera = random.below(cameras), .point = i, .weight = random.between(0.5, 1)};
       o.measured = seen_at(problem, problem.cameras[at(o.camera)], problem.points.back());
