@@ -13,6 +13,7 @@
 //                                    operation `first` of its program and, as long as its clock is
 //                                    below `until` or nobody can notice, more; returns how many
 //   Ns post(i, frame)                what it made of a frame is there, now
+//   kMovesOthers                     steps() and post() may change the clocks of other tasks
 #ifndef PARTITA_PARTITION_SIMULATE_DRIVER_H
 #define PARTITA_PARTITION_SIMULATE_DRIVER_H
 
@@ -169,6 +170,7 @@ class Driver {
       case Stage::steps:
         if (actor.op == actor.program->ops.size()) return post(i, actor);
         actor.op += clock_.steps(i, actor.frame, *actor.program, actor.op, until(i));
+        if (Clock::kMovesOthers) woken_ = true;
         return;
     }
   }
@@ -312,6 +314,7 @@ class Driver {
 
   void post(std::uint32_t i, Actor& actor) {
     trace_.tasks[i].end[actor.frame] = clock_.post(i, actor.frame);
+    if (Clock::kMovesOthers) woken_ = true;
     const std::uint32_t device = scene_.tasks[i]->device;
     if (device != kNone && scene_.swaps[device]) {
       turns_[device].holder = kNone;

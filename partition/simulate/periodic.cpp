@@ -72,19 +72,19 @@ class Sum {
  public:
   /// `part`, a stretch that begins on an idle machine, occurs `at.count` times, first and last at
   /// those frames. False if it is not over when the next begins, where one does.
-  bool add(const Scene& part, CompiledClock& clock, Trace& trace, const FrameKind& at,
+  bool add(const Scene& part, RecallingClock& clock, Trace& trace, const FrameKind& at,
            bool at_the_end = false) {
     const auto [first, last, times] = at;
     clock.reset(part);
-    Driver<CompiledClock>(part, clock, trace).run();
+    Driver<RecallingClock>(part, clock, trace).run();
     const Ns period = part.pipeline->period_ns;
     if (clock.horizon() > part.frames * period && !at_the_end) return false;
-    if (posts_at_once(trace)) return false;
+    if (!clock.exact() || posts_at_once(trace)) return false;
     const Figures figures = figures_of(trace, part);
     run_.figures.late += times * figures.late;
     run_.figures.dropped += times * figures.dropped;
     run_.figures.dropped_by_tasks += times * figures.dropped_by_tasks;
-    partition::add(run_.consumption, clock.consumption(trace), times);
+    partition::add(run_.consumption, clock.consumption(), times);
     run_.consumption.makespan =
         std::max(run_.consumption.makespan, last * period + clock.horizon());
     for (std::size_t k = 0; k < part.frames; ++k) {
@@ -122,7 +122,7 @@ class Sum {
 };
 
 /// A frame of each kind on an idle machine.
-std::optional<PeriodicRun> by_frames(const Scene& whole, const Cycle& cycle, CompiledClock& clock,
+std::optional<PeriodicRun> by_frames(const Scene& whole, const Cycle& cycle, RecallingClock& clock,
                                      Trace& trace) {
   Sum sum;
   Scene part = whole;
@@ -135,7 +135,7 @@ std::optional<PeriodicRun> by_frames(const Scene& whole, const Cycle& cycle, Com
 }
 
 /// One cycle on an idle machine, and what is left of another one at the end.
-std::optional<PeriodicRun> by_cycle(const Scene& whole, std::size_t cycle, CompiledClock& clock,
+std::optional<PeriodicRun> by_cycle(const Scene& whole, std::size_t cycle, RecallingClock& clock,
                                     Trace& trace) {
   Sum sum;
   const std::size_t cycles = whole.frames / cycle, rest = whole.frames % cycle;
@@ -175,9 +175,8 @@ Cycle cycle_of(const Pipeline& pipeline, const std::vector<const TaskWork*>& wor
 }
 
 std::optional<PeriodicRun> run_periodic(const Scene& scene, const Cycle& cycle,
-                                        CompiledClock& clock, Trace& trace) {
-  const bool swaps = std::find(scene.swaps.begin(), scene.swaps.end(), true) != scene.swaps.end();
-  if (cycle.length == 0 || swaps) return std::nullopt;  // a bitstream outlives its frame
+                                        RecallingClock& clock, Trace& trace) {
+  if (cycle.length == 0) return std::nullopt;
   // Frame by frame costs more a frame; it has to save many.
   if (2 * cycle.kinds.size() <= cycle.length || cycle.length == 1) {
     if (auto run = by_frames(scene, cycle, clock, trace)) return run;

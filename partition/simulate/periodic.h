@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "partition/simulate/compiled_clock.h"
+#include "partition/simulate/recalling_clock.h"
 
 namespace partita::partition {
 
@@ -34,7 +34,7 @@ struct PeriodicRun {
 /// Nothing if frames of one cycle reach into the next: then they have to be simulated. `clock` and
 /// `trace` are scratch.
 std::optional<PeriodicRun> run_periodic(const Scene& scene, const Cycle& cycle,
-                                        CompiledClock& clock, Trace& trace);
+                                        RecallingClock& clock, Trace& trace);
 
 }  // namespace partita::partition
 

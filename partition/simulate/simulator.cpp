@@ -45,8 +45,9 @@ class Simulator::Impl {
 
   /// What one simulation needs and the next one can use again.
   struct Scratch {
-    explicit Scratch(const Compiler& compiler) : clock(compiler) {}
+    explicit Scratch(const Compiler& compiler) : clock(compiler), recalling(compiler) {}
     CompiledClock clock;
+    RecallingClock recalling;
     Trace trace;
     Scene scene;
   };
@@ -57,8 +58,10 @@ class Simulator::Impl {
   std::string misfit(const TaskPlacement& placement, std::uint32_t device) const;
   template <typename Use>
   auto with_scratch(const Use& use) const;
-  /// Of scratch.scene.
-  Figures simulate(Scratch& scratch) const;
+  /// Of scratch.scene, by one of the scratch's clocks.
+  template <typename Clock>
+  Figures simulate(Scratch& scratch, Clock& clock) const;
+  Figures quick(Scratch& scratch) const;
   Figures priced(const Scratch& scratch, Figures figures, const Consumption& used) const;
   void add_engines(const Scratch& scratch, Figures& figures) const;
 
@@ -267,11 +270,24 @@ auto Simulator::Impl::with_scratch(const Use& use) const {
   return result;
 }
 
-Figures Simulator::Impl::simulate(Scratch& scratch) const {
-  scratch.clock.reset(scratch.scene);
-  Driver<CompiledClock>(scratch.scene, scratch.clock, scratch.trace).run();
-  return priced(scratch, figures_of(scratch.trace, scratch.scene),
-                scratch.clock.consumption(scratch.trace));
+template <typename Clock>
+Figures Simulator::Impl::simulate(Scratch& scratch, Clock& clock) const {
+  clock.reset(scratch.scene);
+  Driver<Clock>(scratch.scene, clock, scratch.trace).run();
+  return priced(scratch, figures_of(scratch.trace, scratch.scene), clock.consumption());
+}
+
+Figures Simulator::Impl::quick(Scratch& scratch) const {
+  const auto& swaps = scratch.scene.swaps;
+  // A bitstream outlives its frame, and its load moves whoever is on the device.
+  if (std::find(swaps.begin(), swaps.end(), true) == swaps.end()) {
+    auto repeated = run_periodic(scratch.scene, cycle_, scratch.recalling, scratch.trace);
+    Figures figures =
+        repeated ? priced(scratch, std::move(repeated->figures), repeated->consumption)
+                 : simulate(scratch, scratch.recalling);
+    if (scratch.recalling.exact()) return figures;
+  }
+  return simulate(scratch, scratch.clock);
 }
 
 Figures Simulator::Impl::priced(const Scratch& scratch, Figures figures,
@@ -287,12 +303,15 @@ void Simulator::Impl::add_engines(const Scratch& scratch, Figures& figures) cons
   EngineUses uses(machine_);
   const auto& slots = compiler_.slots();
   for (std::size_t s = 0; s < slots.size(); ++s) {
-    uses.add(slots[s].name, slots[s].kind, slots[s].node, scratch.clock.held_by_slot()[s]);
+    uses.add(slots[s].name, slots[s].kind, slots[s].node,
+             scratch.clock.threads().held_by_slot()[s]);
   }
-  const auto& engines = scratch.clock.calendars().engines();
-  for (std::size_t e = 0; e < engines.size(); ++e) {
-    uses.add(engines[e].name, engines[e].kind, engines[e].node,
-             scratch.clock.calendars().worked()[e]);
+  const CompiledClock& clock = scratch.clock;
+  for (const auto* calendars : {&clock.threads().calendars(), &clock.messages().calendars()}) {
+    for (std::size_t e = 0; e < calendars->engines().size(); ++e) {
+      const timeline::Engine& engine = calendars->engines()[e];
+      uses.add(engine.name, engine.kind, engine.node, calendars->worked()[e]);
+    }
   }
   figures.engines = uses.by_share(figures.makespan);
 }
@@ -364,16 +383,14 @@ double Simulator::price(const TaskPlacement& placement) const {
 Figures Simulator::quick(const TaskPlacement& placement) const {
   return impl_->with_scratch([&](Impl::Scratch& scratch) {
     scratch.scene = impl_->scene(placement);
-    auto repeated = run_periodic(scratch.scene, impl_->cycle_, scratch.clock, scratch.trace);
-    if (!repeated) return impl_->simulate(scratch);
-    return impl_->priced(scratch, std::move(repeated->figures), repeated->consumption);
+    return impl_->quick(scratch);
   });
 }
 
 Figures Simulator::run(const TaskPlacement& placement) const {
   return impl_->with_scratch([&](Impl::Scratch& scratch) {
     scratch.scene = impl_->scene(placement);
-    Figures figures = impl_->simulate(scratch);
+    Figures figures = impl_->simulate(scratch, scratch.clock);
     add_details(scratch.trace, scratch.scene, figures);
     for (std::size_t i = 0; i < figures.tasks.size(); ++i) {
       figures.tasks[i].alone_ns = impl_->alone_ns(static_cast<std::uint32_t>(i), placement[i]);

@@ -1,0 +1,176 @@
+#include "partition/simulate/moments.h"
+
+#include <algorithm>
+
+namespace partita::partition {
+namespace {
+
+constexpr std::size_t kMostWords = std::size_t{8} << 20;  // 64 MiB a thread
+
+std::size_t mixed(std::size_t hash, std::uint64_t value) {
+  hash = (hash ^ value) * 0x9E3779B97F4A7C15u;
+  return hash ^ (hash >> 29);
+}
+std::size_t mixed(std::size_t hash, const void* address) {
+  return mixed(hash, reinterpret_cast<std::uintptr_t>(address));
+}
+
+std::size_t hash_of(const std::vector<Running>& running, const std::vector<Ns>& taken) {
+  std::size_t hash = running.size();
+  for (const Running& r : running) {
+    hash = mixed(mixed(mixed(hash, r.program), r.op), r.clock);
+    hash = mixed(mixed(hash, r.queue_end), r.task);
+  }
+  for (const Ns word : taken) hash = mixed(hash, word);
+  return hash;
+}
+
+Ns since(Ns time, Ns start) {
+  return time > start ? time - start : 0;
+}
+
+/// In the order of turns.
+bool before(Ns clock, std::uint32_t task, Ns other, std::uint32_t other_task) {
+  return clock != other ? clock < other : task < other_task;
+}
+
+}  // namespace
+
+std::size_t Moments::Hash::operator()(const Joining& j) const {
+  return mixed(mixed(mixed(mixed(1, j.moment), j.time), j.queue_end), j.program);
+}
+
+Moments::Moments(const Compiler& compiler) : compiler_(compiler), threads_(compiler) {
+  threads_.reset(0);
+  idle_ = known(0);
+}
+
+void Moments::bound_memory() {
+  if (exact_ && words_ <= kMostWords) return;
+  exact_ = true;
+  starts_.clear();
+  moments_.clear();
+  words_ = 0;
+  running_.clear();
+  threads_.reset(0);
+  idle_ = known(0);
+}
+
+void Moments::load(const Moment& moment) {
+  running_ = moment.running;
+  std::uint32_t threads = 0;
+  for (const Running& r : running_) threads = std::max(threads, r.task + 1);
+  threads_.reset(threads);
+  threads_.calendars().restore(moment.taken);
+  for (const Running& r : running_) {
+    threads_[r.task] = {r.compiled, r.free, r.clock, r.queue_end};
+  }
+}
+
+/// Lets the running tasks take turns until one is through, whose index in running_ it returns, or
+/// as long as theirs come before a turn of `before_task` at `until`.
+std::size_t Moments::advance(Ns until, std::uint32_t before_task) {
+  while (true) {
+    std::size_t first = running_.size();
+    Ns limit = until;
+    std::uint32_t other = before_task;
+    for (std::size_t i = 0; i < running_.size(); ++i) {
+      const Running& r = running_[i];
+      if (first == running_.size() ||
+          before(r.clock, r.task, running_[first].clock, running_[first].task)) {
+        if (first != running_.size() &&
+            before(running_[first].clock, running_[first].task, limit, other)) {
+          limit = running_[first].clock;
+          other = running_[first].task;
+        }
+        first = i;
+      } else if (before(r.clock, r.task, limit, other)) {
+        limit = r.clock;
+        other = r.task;
+      }
+    }
+    if (first == running_.size()) return first;
+    Running& r = running_[first];
+    if (!before(r.clock, r.task, until, before_task)) return running_.size();
+    if (r.op == r.program->ops.size()) return first;
+    r.op += static_cast<std::uint32_t>(threads_.steps(
+        r.task, *r.program, r.op, limit + (limit != Trace::kNot && r.task < other ? 1 : 0)));
+    r.clock = threads_[r.task].clock;
+    r.queue_end = threads_[r.task].queue_end;
+  }
+}
+
+/// The moment `at` of what was simulated.
+Moment* Moments::known(Ns at) {
+  auto moment = std::make_unique<Moment>();
+  moment->running = running_;
+  for (Running& r : moment->running) {
+    r.clock = since(r.clock, at);
+    r.queue_end = since(r.queue_end, at + r.clock) > 0 ? r.queue_end - at : 0;
+    r.earliest = since(r.earliest, at);
+  }
+  timeline::Placement::Taken taken = threads_.calendars().save(at);
+  exact_ = exact_ && taken.all;
+  moment->taken = std::move(taken.words);
+  moment->taken_until = taken.until;
+  const std::size_t hash = hash_of(moment->running, moment->taken);
+  const auto [first, last] = moments_.equal_range(hash);
+  for (auto it = first; it != last; ++it) {
+    if (it->second->running == moment->running && it->second->taken == moment->taken) {
+      return it->second.get();
+    }
+  }
+  words_ += 40 + moment->taken.size() + 8 * moment->running.size();
+  return moments_.emplace(hash, std::move(moment))->second.get();
+}
+
+std::vector<Held> Moments::held() const {
+  std::vector<Held> all;
+  threads_.each_busy([&all](timeline::EngineKind kind, std::uint32_t node, std::uint32_t device,
+                            Ns busy) {
+    if (kind == timeline::EngineKind::link) return;
+    const bool cores = kind == timeline::EngineKind::core;
+    const std::uint32_t of = cores ? node : device;
+    const auto known = std::find_if(all.begin(), all.end(), [&](const Held& held) {
+      return held.cores == cores && held.of == of;
+    });
+    if (known != all.end()) {
+      known->busy += busy;
+    } else {
+      all.push_back({cores, of, busy});
+    }
+  });
+  return all;
+}
+
+const Moments::Start& Moments::start(Moment& moment, Ns time, const Running& joining) {
+  const Joining key{&moment,         time,         joining.queue_end,
+                    joining.program, joining.task, joining.free};
+  const auto [known_start, is_new] = starts_.try_emplace(key);
+  Start& start = known_start->second;
+  if (!is_new) return start;
+  load(moment);
+  exact_ = advance(time, joining.task) == running_.size() && exact_;
+  start.held = held();
+  running_.push_back(joining);
+  start.after = known(time);
+  words_ += 24;
+  return start;
+}
+
+const Moment::Finish& Moments::find_finish(Moment& moment) {
+  load(moment);
+  const std::size_t first = advance(Trace::kNot, kNone);
+  const Running through = running_[first];
+  threads_.finish(through.task, *through.program);
+  Moment::Finish& finish = moment.finish;
+  finish.time = through.clock;
+  finish.queue_end = through.queue_end;
+  finish.task = through.task;
+  finish.held = held();
+  running_.erase(running_.begin() + static_cast<std::ptrdiff_t>(first));
+  finish.after = known(through.clock);
+  return finish;
+}
+
+}  // namespace partita::partition

@@ -1,0 +1,105 @@
+// Moments: what tasks that share engines are in the middle of, in times since then, and what
+// follows from it. The same few commands side by side come back on thousands of placements and
+// frames; each moment is simulated command by command the first time, and looked up from then on.
+// Inside the partitioner only.
+#ifndef PARTITA_PARTITION_SIMULATE_MOMENTS_H
+#define PARTITA_PARTITION_SIMULATE_MOMENTS_H
+
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "partition/simulate/host_threads.h"
+
+namespace partita::partition {
+
+/// A task in the middle of a program.
+struct Running {
+  std::uint32_t task = 0;  ///< index, which decides ties
+  std::uint32_t op = 0;    ///< next one
+  const CompiledTask* compiled = nullptr;
+  const CompiledFrame* program = nullptr;
+  Freedom free;
+  Ns clock = 0, queue_end = 0;
+  Ns earliest = 0;  ///< its program cannot be over before
+  bool operator==(const Running&) const = default;
+};
+
+/// Time that engines were held: of a device's compute engines, or of a node's cores.
+struct Held {
+  bool cores = false;
+  std::uint32_t of = 0;
+  Ns busy = 0;
+};
+
+/// All times are since the moment.
+struct Moment {
+  /// What comes next if nobody joins: the first of the running tasks is through.
+  struct Finish {
+    Moment* after = nullptr;  ///< null: not known yet
+    Ns time = 0, queue_end = 0;
+    std::uint32_t task = 0;
+    std::vector<Held> held;
+  };
+  std::vector<Running> running;
+  std::vector<Ns> taken;  ///< as timeline::Placement::save() gives it
+  Ns taken_until = 0;     ///< they are all free from then on
+  Finish finish;
+
+  /// Nobody runs, and the engines are free from `time` on.
+  bool over(Ns time) const { return running.empty() && taken_until <= time; }
+};
+
+class Moments {
+ public:
+  /// `compiler` and the tasks that it compiled must outlive it.
+  explicit Moments(const Compiler& compiler);
+
+  /// Nobody runs and everything is free.
+  Moment* idle() const { return idle_; }
+  /// `joining` (its clock being `time`) joins at a time by which nobody is through. The result is the moment then.
+  struct Start {
+    Moment* after = nullptr;
+    std::vector<Held> held;  ///< from the moment until then
+  };
+  const Start& start(Moment& moment, Ns time, const Running& joining);
+  const Moment::Finish& finish(Moment& moment) {
+    return moment.finish.after != nullptr ? moment.finish : find_finish(moment);
+  }
+  /// False once a moment was too long for its calendars to forget nothing; it may be wrong.
+  bool exact() const { return exact_; }
+  /// Forgets everything if that is much, or not exact: Moments in use are gone.
+  void bound_memory();
+
+ private:
+  struct Joining {
+    const Moment* moment;
+    Ns time, queue_end;
+    const CompiledFrame* program;
+    std::uint32_t task;
+    Freedom free;
+    bool operator==(const Joining&) const = default;
+  };
+  struct Hash {
+    std::size_t operator()(const Joining& j) const;
+  };
+
+  const Moment::Finish& find_finish(Moment& moment);
+  void load(const Moment& moment);
+  std::size_t advance(Ns before, std::uint32_t before_task);
+  Moment* known(Ns at);
+  std::vector<Held> held() const;
+
+  const Compiler& compiler_;
+  HostThreads threads_;
+  std::vector<Running> running_;  ///< while a moment is simulated
+  std::unordered_multimap<std::size_t, std::unique_ptr<Moment>> moments_;
+  std::unordered_map<Joining, Start, Hash> starts_;
+  Moment* idle_ = nullptr;
+  std::size_t words_ = 0;  ///< of all moments
+  bool exact_ = true;
+};
+
+}  // namespace partita::partition
+
+#endif  // PARTITA_PARTITION_SIMULATE_MOMENTS_H

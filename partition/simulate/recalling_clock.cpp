@@ -1,0 +1,147 @@
+#include "partition/simulate/recalling_clock.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace partita::partition {
+
+void RecallingClock::reset(const Scene& scene) {
+  const timeline::Layout& layout = compiler_.layout();
+  scene_ = &scene;
+  exact_ = true;
+  moments_.bound_memory();
+  messages_.reset(scene);
+  const std::vector<Freedom> free = freedom_of(scene, compiler_);
+  threads_.assign(scene.tasks.size(), {});
+  for (std::size_t i = 0; i < threads_.size(); ++i) {
+    threads_[i].task = scene.tasks[i];
+    threads_[i].node_wakeup = layout.nodes[scene.tasks[i]->node].wakeup_ns;
+    threads_[i].free = free[i];
+  }
+  find_groups(scene);
+  used_.device_busy.assign(layout.devices.size(), 0);
+  used_.node_busy.assign(layout.nodes.size(), 0);
+  used_.device_bytes.assign(layout.devices.size(), 0);
+  used_.node_bytes.assign(layout.nodes.size(), 0);
+}
+
+/// Joins each task with the devices, cores and memories that it asks a calendar of.
+void RecallingClock::find_groups(const Scene& scene) {
+  const timeline::Layout& layout = compiler_.layout();
+  const std::size_t nodes = layout.nodes.size(), devices = layout.devices.size();
+  const std::size_t cores = threads_.size(), on = cores + nodes, memories = on + devices;
+  parents_.resize(memories + nodes + devices);
+  std::iota(parents_.begin(), parents_.end(), 0u);
+  const auto root = [this](std::size_t of) {
+    auto at = static_cast<std::uint32_t>(of);
+    while (parents_[at] != at) at = parents_[at] = parents_[parents_[at]];
+    return at;
+  };
+  const auto unite = [&](std::size_t a, std::size_t b) { parents_[root(a)] = root(b); };
+  for (std::size_t i = 0; i < threads_.size(); ++i) {
+    const std::uint32_t device = scene.tasks[i]->device, node = scene.tasks[i]->node;
+    const Freedom& free = threads_[i].free;
+    const bool cpu = device != kNone && layout.devices[device].is_host_cpu;
+    if (!free.host || cpu) {
+      unite(i, cores + node);
+      unite(i, memories + node);
+    }
+    if (device == kNone) continue;
+    if (!free.device) unite(i, on + device);
+    const std::uint32_t memory = compiler_.memory_of(device);
+    if (!free.circuits && memory != kNone) unite(i, memories + memory);
+  }
+  groups_.assign(parents_.size(), {moments_.idle(), 0, false});
+  for (std::size_t i = 0; i < threads_.size(); ++i) threads_[i].group = root(i);
+}
+
+void RecallingClock::add(const std::vector<Held>& held) {
+  for (const Held& h : held) (h.cores ? used_.node_busy : used_.device_busy)[h.of] += h.busy;
+}
+
+/// Task i begins a program.
+void RecallingClock::join(std::uint32_t i, const CompiledFrame& program) {
+  Thread& t = threads_[i];
+  Group& group = groups_[t.group];
+  if (t.clock < group.since) {
+    exact_ = false;
+    t.clock = group.since;
+  }
+  if (group.moment->over(t.clock - group.since)) group = {moments_.idle(), t.clock, false};
+  Running joining;
+  joining.task = i;
+  joining.compiled = t.task;
+  joining.program = &program;
+  joining.free = t.free;
+  joining.clock = t.clock - group.since;
+  joining.queue_end = t.queue_end > t.clock ? t.queue_end - group.since : 0;
+  joining.earliest = joining.clock + program.free.duration;
+  const Moments::Start& start = moments_.start(*group.moment, joining.clock, joining);
+  add(start.held);
+  group.moment = start.after;
+  group.since = t.clock;
+  t.running = true;
+}
+
+void RecallingClock::set_bounds(Group& group) {
+  group.bound = true;
+  for (const Running& r : group.moment->running) {
+    threads_[r.task].clock = group.since + std::max(r.clock, r.earliest);
+  }
+}
+
+/// Only the first to be through has a time; the others have their turn when they are the first.
+void RecallingClock::set_finish(Group& group) {
+  group.bound = false;
+  const Moment::Finish& finish = moments_.finish(*group.moment);
+  for (const Running& r : group.moment->running) threads_[r.task].clock = Trace::kNot - 1;
+  threads_[finish.task].clock = group.since + finish.time;
+}
+
+std::size_t RecallingClock::steps(std::uint32_t i, std::size_t, const CompiledFrame& program,
+                                  std::size_t, Ns) {
+  Thread& t = threads_[i];
+  Group& group = groups_[t.group];
+  if (!t.running) {
+    join(i, program);
+    set_bounds(group);
+    return 0;
+  }
+  const Ns turn = t.clock;
+  if (group.bound) set_finish(group);
+  return t.clock == turn ? program.ops.size() : 0;
+}
+
+Ns RecallingClock::post(std::uint32_t i, std::size_t frame) {
+  Thread& t = threads_[i];
+  const CompiledFrame& program = t.task->frame(frame + scene_->offset);
+  if (t.task->device != kNone) used_.device_bytes[t.task->device] += program.device_bytes;
+  used_.node_bytes[t.task->node] += program.node_bytes;
+  if (t.running) {
+    Group& group = groups_[t.group];
+    const Moment::Finish& finish = moments_.finish(*group.moment);
+    add(finish.held);
+    t.queue_end = group.since + finish.queue_end;
+    t.running = false;
+    group.since += finish.time;
+    group.moment = finish.after;
+    set_bounds(group);
+  }
+  messages_.post(i, frame, t.clock);
+  return t.clock;
+}
+
+Ns RecallingClock::horizon() const {
+  Ns latest = 0;
+  for (const Thread& t : threads_) latest = std::max({latest, t.clock, t.queue_end});
+  return latest;
+}
+
+Consumption RecallingClock::consumption() const {
+  Consumption used = used_;
+  used.link_bytes = messages_.link_bytes();
+  used.makespan = horizon();
+  return used;
+}
+
+}  // namespace partita::partition
