@@ -11,7 +11,8 @@ namespace partita::partition {
 
 class CompiledClock {
  public:
-  static constexpr bool kMovesOthers = false;
+  static constexpr bool kLooksAhead = false;
+  static constexpr bool moved_others() { return false; }
 
   /// `compiler` must outlive it. One clock serves many placements, one after the other.
   explicit CompiledClock(const Compiler& compiler)

@@ -13,7 +13,8 @@
 //                                    operation `first` of its program and, as long as its clock is
 //                                    below `until` or nobody can notice, more; returns how many
 //   Ns post(i, frame)                what it made of a frame is there, now
-//   kMovesOthers                     steps() and post() may change the clocks of other tasks
+//   bool moved_others()              steps() or post() has changed clocks of other tasks since
+//   kLooksAhead                      steps() does the last operation when it is the task's turn then
 #ifndef PARTITA_PARTITION_SIMULATE_DRIVER_H
 #define PARTITA_PARTITION_SIMULATE_DRIVER_H
 
@@ -170,7 +171,9 @@ class Driver {
       case Stage::steps:
         if (actor.op == actor.program->ops.size()) return post(i, actor);
         actor.op += clock_.steps(i, actor.frame, *actor.program, actor.op, until(i));
-        if (Clock::kMovesOthers) woken_ = true;
+        // Of a clock that looks ahead, a program is over when its turn to be over has come.
+        if (Clock::kLooksAhead && actor.op == actor.program->ops.size()) post(i, actor);
+        if (clock_.moved_others()) woken_ = true;
         return;
     }
   }
@@ -314,7 +317,7 @@ class Driver {
 
   void post(std::uint32_t i, Actor& actor) {
     trace_.tasks[i].end[actor.frame] = clock_.post(i, actor.frame);
-    if (Clock::kMovesOthers) woken_ = true;
+    if (clock_.moved_others()) woken_ = true;
     const std::uint32_t device = scene_.tasks[i]->device;
     if (device != kNone && scene_.swaps[device]) {
       turns_[device].holder = kNone;

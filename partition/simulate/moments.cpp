@@ -7,16 +7,8 @@ namespace {
 
 constexpr std::size_t kMostWords = std::size_t{8} << 20;  // 64 MiB a thread
 
-std::size_t mixed(std::size_t hash, std::uint64_t value) {
-  hash = (hash ^ value) * 0x9E3779B97F4A7C15u;
-  return hash ^ (hash >> 29);
-}
-std::size_t mixed(std::size_t hash, const void* address) {
-  return mixed(hash, reinterpret_cast<std::uintptr_t>(address));
-}
-
-std::size_t hash_of(const std::vector<Running>& running, const std::vector<Ns>& taken) {
-  std::size_t hash = running.size();
+std::uint64_t hash_of(const std::vector<Running>& running, const std::vector<Ns>& taken) {
+  std::uint64_t hash = running.size();
   for (const Running& r : running) {
     hash = mixed(mixed(mixed(hash, r.program), r.op), r.clock);
     hash = mixed(mixed(hash, r.queue_end), r.task);
@@ -35,10 +27,6 @@ bool before(Ns clock, std::uint32_t task, Ns other, std::uint32_t other_task) {
 }
 
 }  // namespace
-
-std::size_t Moments::Hash::operator()(const Joining& j) const {
-  return mixed(mixed(mixed(mixed(1, j.moment), j.time), j.queue_end), j.program);
-}
 
 Moments::Moments(const Compiler& compiler) : compiler_(compiler), threads_(compiler) {
   threads_.reset(0);
@@ -102,26 +90,24 @@ std::size_t Moments::advance(Ns until, std::uint32_t before_task) {
 
 /// The moment `at` of what was simulated.
 Moment* Moments::known(Ns at) {
-  auto moment = std::make_unique<Moment>();
-  moment->running = running_;
-  for (Running& r : moment->running) {
+  Moment moment;
+  moment.running = running_;
+  for (Running& r : moment.running) {
+    r.queue_end = r.queue_end > std::max(r.clock, at) ? r.queue_end - at : 0;  // else as good as 0
     r.clock = since(r.clock, at);
-    r.queue_end = since(r.queue_end, at + r.clock) > 0 ? r.queue_end - at : 0;
     r.earliest = since(r.earliest, at);
   }
   timeline::Placement::Taken taken = threads_.calendars().save(at);
   exact_ = exact_ && taken.all;
-  moment->taken = std::move(taken.words);
-  moment->taken_until = taken.until;
-  const std::size_t hash = hash_of(moment->running, moment->taken);
-  const auto [first, last] = moments_.equal_range(hash);
-  for (auto it = first; it != last; ++it) {
-    if (it->second->running == moment->running && it->second->taken == moment->taken) {
-      return it->second.get();
-    }
-  }
-  words_ += 40 + moment->taken.size() + 8 * moment->running.size();
-  return moments_.emplace(hash, std::move(moment))->second.get();
+  moment.taken = std::move(taken.words);
+  moment.taken_until = taken.until;
+  const std::uint64_t hash = hash_of(moment.running, moment.taken);
+  Moment* known = moments_.find(hash, [&](const Moment& other) {
+    return other.running == moment.running && other.taken == moment.taken;
+  });
+  if (known != nullptr) return known;
+  words_ += 40 + moment.taken.size() + 10 * moment.running.size();
+  return &moments_.add(hash, std::move(moment));
 }
 
 std::vector<Held> Moments::held() const {
@@ -143,19 +129,15 @@ std::vector<Held> Moments::held() const {
   return all;
 }
 
-const Moments::Start& Moments::start(Moment& moment, Ns time, const Running& joining) {
-  const Joining key{&moment,         time,         joining.queue_end,
-                    joining.program, joining.task, joining.free};
-  const auto [known_start, is_new] = starts_.try_emplace(key);
-  Start& start = known_start->second;
-  if (!is_new) return start;
+const Moments::Start& Moments::find_start(std::uint64_t hash, const Moment& moment,
+                                          const Running& joining) {
   load(moment);
-  exact_ = advance(time, joining.task) == running_.size() && exact_;
-  start.held = held();
+  exact_ = advance(joining.clock, joining.task) == running_.size() && exact_;
+  Start start{&moment, joining, nullptr, held()};
   running_.push_back(joining);
-  start.after = known(time);
-  words_ += 24;
-  return start;
+  start.after = known(joining.clock);
+  words_ += 32;
+  return starts_.add(hash, std::move(start));
 }
 
 const Moment::Finish& Moments::find_finish(Moment& moment) {

@@ -5,11 +5,10 @@
 #ifndef PARTITA_PARTITION_SIMULATE_MOMENTS_H
 #define PARTITA_PARTITION_SIMULATE_MOMENTS_H
 
-#include <memory>
-#include <unordered_map>
 #include <vector>
 
 #include "partition/simulate/host_threads.h"
+#include "partition/simulate/known.h"
 
 namespace partita::partition {
 
@@ -57,12 +56,22 @@ class Moments {
 
   /// Nobody runs and everything is free.
   Moment* idle() const { return idle_; }
-  /// `joining` (its clock being `time`) joins at a time by which nobody is through. The result is the moment then.
+  /// What comes next if a task joins at a time by which nobody is through: its clock then.
   struct Start {
+    const Moment* before = nullptr;
+    Running joining;
     Moment* after = nullptr;
     std::vector<Held> held;  ///< from the moment until then
   };
-  const Start& start(Moment& moment, Ns time, const Running& joining);
+  const Start& start(const Moment& moment, const Running& joining) {
+    const std::uint64_t hash = mixed(
+        mixed(mixed(mixed(joining.task, &moment), joining.clock), joining.queue_end),
+        joining.program);
+    const Start* known = starts_.find(hash, [&](const Start& start) {
+      return start.before == &moment && start.joining == joining;
+    });
+    return known != nullptr ? *known : find_start(hash, moment, joining);
+  }
   const Moment::Finish& finish(Moment& moment) {
     return moment.finish.after != nullptr ? moment.finish : find_finish(moment);
   }
@@ -72,19 +81,8 @@ class Moments {
   void bound_memory();
 
  private:
-  struct Joining {
-    const Moment* moment;
-    Ns time, queue_end;
-    const CompiledFrame* program;
-    std::uint32_t task;
-    Freedom free;
-    bool operator==(const Joining&) const = default;
-  };
-  struct Hash {
-    std::size_t operator()(const Joining& j) const;
-  };
-
   const Moment::Finish& find_finish(Moment& moment);
+  const Start& find_start(std::uint64_t hash, const Moment& moment, const Running& joining);
   void load(const Moment& moment);
   std::size_t advance(Ns before, std::uint32_t before_task);
   Moment* known(Ns at);
@@ -93,8 +91,8 @@ class Moments {
   const Compiler& compiler_;
   HostThreads threads_;
   std::vector<Running> running_;  ///< while a moment is simulated
-  std::unordered_multimap<std::size_t, std::unique_ptr<Moment>> moments_;
-  std::unordered_map<Joining, Start, Hash> starts_;
+  Known<Moment> moments_;
+  Known<Start> starts_;
   Moment* idle_ = nullptr;
   std::size_t words_ = 0;  ///< of all moments
   bool exact_ = true;

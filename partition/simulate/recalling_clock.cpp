@@ -6,19 +6,18 @@
 namespace partita::partition {
 
 void RecallingClock::reset(const Scene& scene) {
-  const timeline::Layout& layout = compiler_.layout();
   scene_ = &scene;
   exact_ = true;
+  moved_ = false;
   moments_.bound_memory();
   messages_.reset(scene);
-  const std::vector<Freedom> free = freedom_of(scene, compiler_);
-  threads_.assign(scene.tasks.size(), {});
-  for (std::size_t i = 0; i < threads_.size(); ++i) {
-    threads_[i].task = scene.tasks[i];
-    threads_[i].node_wakeup = layout.nodes[scene.tasks[i]->node].wakeup_ns;
-    threads_[i].free = free[i];
+  if (tasks_ != scene.tasks) find_groups();
+  for (Thread& t : threads_) {
+    t.clock = t.queue_end = 0;
+    t.running = false;
   }
-  find_groups(scene);
+  for (Group& group : groups_) group = {moments_.idle(), 0, false};
+  const timeline::Layout& layout = compiler_.layout();
   used_.device_busy.assign(layout.devices.size(), 0);
   used_.node_busy.assign(layout.nodes.size(), 0);
   used_.device_bytes.assign(layout.devices.size(), 0);
@@ -26,8 +25,11 @@ void RecallingClock::reset(const Scene& scene) {
 }
 
 /// Joins each task with the devices, cores and memories that it asks a calendar of.
-void RecallingClock::find_groups(const Scene& scene) {
+void RecallingClock::find_groups() {
   const timeline::Layout& layout = compiler_.layout();
+  const std::vector<Freedom> all_free = freedom_of(*scene_, compiler_);
+  tasks_ = scene_->tasks;
+  threads_.assign(tasks_.size(), {});
   const std::size_t nodes = layout.nodes.size(), devices = layout.devices.size();
   const std::size_t cores = threads_.size(), on = cores + nodes, memories = on + devices;
   parents_.resize(memories + nodes + devices);
@@ -39,8 +41,11 @@ void RecallingClock::find_groups(const Scene& scene) {
   };
   const auto unite = [&](std::size_t a, std::size_t b) { parents_[root(a)] = root(b); };
   for (std::size_t i = 0; i < threads_.size(); ++i) {
-    const std::uint32_t device = scene.tasks[i]->device, node = scene.tasks[i]->node;
-    const Freedom& free = threads_[i].free;
+    const std::uint32_t device = tasks_[i]->device, node = tasks_[i]->node;
+    const Freedom& free = all_free[i];
+    threads_[i].task = tasks_[i];
+    threads_[i].node_wakeup = layout.nodes[node].wakeup_ns;
+    threads_[i].free = free;
     const bool cpu = device != kNone && layout.devices[device].is_host_cpu;
     if (!free.host || cpu) {
       unite(i, cores + node);
@@ -51,8 +56,14 @@ void RecallingClock::find_groups(const Scene& scene) {
     const std::uint32_t memory = compiler_.memory_of(device);
     if (!free.circuits && memory != kNone) unite(i, memories + memory);
   }
-  groups_.assign(parents_.size(), {moments_.idle(), 0, false});
-  for (std::size_t i = 0; i < threads_.size(); ++i) threads_[i].group = root(i);
+  // Groups are numbered by their first tasks.
+  std::vector<std::uint32_t> roots;
+  for (std::size_t i = 0; i < threads_.size(); ++i) {
+    const auto known = std::find(roots.begin(), roots.end(), root(i));
+    threads_[i].group = static_cast<std::uint32_t>(known - roots.begin());
+    if (known == roots.end()) roots.push_back(root(i));
+  }
+  groups_.resize(roots.size());
 }
 
 void RecallingClock::add(const std::vector<Held>& held) {
@@ -76,15 +87,16 @@ void RecallingClock::join(std::uint32_t i, const CompiledFrame& program) {
   joining.clock = t.clock - group.since;
   joining.queue_end = t.queue_end > t.clock ? t.queue_end - group.since : 0;
   joining.earliest = joining.clock + program.free.duration;
-  const Moments::Start& start = moments_.start(*group.moment, joining.clock, joining);
+  const Moments::Start& start = moments_.start(*group.moment, joining);
   add(start.held);
   group.moment = start.after;
   group.since = t.clock;
   t.running = true;
 }
 
-void RecallingClock::set_bounds(Group& group) {
+void RecallingClock::set_bounds(Group& group, std::size_t alone) {
   group.bound = true;
+  moved_ = moved_ || group.moment->running.size() > alone;
   for (const Running& r : group.moment->running) {
     threads_[r.task].clock = group.since + std::max(r.clock, r.earliest);
   }
@@ -93,6 +105,7 @@ void RecallingClock::set_bounds(Group& group) {
 /// Only the first to be through has a time; the others have their turn when they are the first.
 void RecallingClock::set_finish(Group& group) {
   group.bound = false;
+  moved_ = moved_ || group.moment->running.size() > 1;
   const Moment::Finish& finish = moments_.finish(*group.moment);
   for (const Running& r : group.moment->running) threads_[r.task].clock = Trace::kNot - 1;
   threads_[finish.task].clock = group.since + finish.time;
@@ -104,7 +117,7 @@ std::size_t RecallingClock::steps(std::uint32_t i, std::size_t, const CompiledFr
   Group& group = groups_[t.group];
   if (!t.running) {
     join(i, program);
-    set_bounds(group);
+    set_bounds(group, 1);
     return 0;
   }
   const Ns turn = t.clock;
@@ -125,7 +138,7 @@ Ns RecallingClock::post(std::uint32_t i, std::size_t frame) {
     t.running = false;
     group.since += finish.time;
     group.moment = finish.after;
-    set_bounds(group);
+    set_bounds(group, 0);
   }
   messages_.post(i, frame, t.clock);
   return t.clock;

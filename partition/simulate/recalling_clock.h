@@ -10,6 +10,8 @@
 #ifndef PARTITA_PARTITION_SIMULATE_RECALLING_CLOCK_H
 #define PARTITA_PARTITION_SIMULATE_RECALLING_CLOCK_H
 
+#include <utility>
+
 #include "partition/simulate/figures.h"
 #include "partition/simulate/messages.h"
 #include "partition/simulate/moments.h"
@@ -18,7 +20,8 @@ namespace partita::partition {
 
 class RecallingClock {
  public:
-  static constexpr bool kMovesOthers = true;
+  static constexpr bool kLooksAhead = true;
+  bool moved_others() { return std::exchange(moved_, false); }
 
   explicit RecallingClock(const Compiler& compiler)
       : compiler_(compiler), moments_(compiler), messages_(compiler) {}
@@ -64,9 +67,9 @@ class RecallingClock {
   void wait_for(std::uint32_t i, Ns end) {
     if (end > threads_[i].clock) threads_[i].clock = end + threads_[i].node_wakeup;
   }
-  void find_groups(const Scene& scene);
+  void find_groups();
   void join(std::uint32_t i, const CompiledFrame& program);
-  void set_bounds(Group& group);
+  void set_bounds(Group& group, std::size_t alone);
   void set_finish(Group& group);
   void add(const std::vector<Held>& held);
 
@@ -74,11 +77,13 @@ class RecallingClock {
   Moments moments_;
   Messages messages_;
   const Scene* scene_ = nullptr;
+  std::vector<const CompiledTask*> tasks_;  ///< that threads and groups are of
   std::vector<Thread> threads_;
   std::vector<Group> groups_;
   std::vector<std::uint32_t> parents_;  ///< of find_groups
   Consumption used_;                    ///< so far
   bool exact_ = true;
+  bool moved_ = false;
 };
 
 }  // namespace partita::partition

@@ -27,7 +27,8 @@ CommandKind kind_of(OpType type) {
 /// What Driver wants of a clock, on the real Timeline.
 class TimelineClock {
  public:
-  static constexpr bool kMovesOthers = false;
+  static constexpr bool kLooksAhead = false;
+  static constexpr bool moved_others() { return false; }
 
   TimelineClock(const Scene& scene, const Compiler& compiler)
       : scene_(scene), compiler_(compiler), timeline_(compiler.layout()) {
