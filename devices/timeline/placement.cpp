@@ -105,17 +105,17 @@ Placement::Taken Placement::save(Ns from) const {
   return taken;
 }
 
-void Placement::restore(std::span<const Ns> words) {
+void Placement::restore(std::span<const Ns> words, Ns at) {
   clear();
-  for (std::size_t at = 0; at < words.size();) {
-    const std::size_t calendar = words[at], end = at + 2 + words[at + 1];
+  for (std::size_t i = 0; i < words.size();) {
+    const std::size_t calendar = words[i], end = i + 2 + words[i + 1];
     const bool engine = calendar >= memories_.size();
-    for (at += 2; at < end; at += engine ? 2 : 3) {
+    for (i += 2; i < end; i += engine ? 2 : 3) {
+      const Ns from = at + words[i], to = at + words[i + 1];
       if (engine) {
-        busy_[calendar - memories_.size()].reserve(words[at], words[at + 1]);
+        busy_[calendar - memories_.size()].reserve(from, to);
       } else {
-        memories_[calendar].taken.reserve(words[at], words[at + 1],
-                                          static_cast<std::uint32_t>(words[at + 2]));
+        memories_[calendar].taken.reserve(from, to, static_cast<std::uint32_t>(words[i + 2]));
       }
     }
   }

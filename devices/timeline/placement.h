@@ -82,8 +82,8 @@ class Placement {
     bool all = true;  ///< no calendar holds so much that its older half may be closed (kMaxGaps)
   };
   Taken save(Ns from) const;
-  /// Everything free again but what was saved, `from` being 0 now.
-  void restore(std::span<const Ns> words);
+  /// Everything free again but what was saved, `from` being `at` now.
+  void restore(std::span<const Ns> words, Ns at = 0);
 
  private:
   struct Circuit {

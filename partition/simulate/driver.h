@@ -20,25 +20,13 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "partition/simulate/compile.h"
+#include "partition/simulate/actor.h"
 
 namespace partita::partition {
-
-/// When each task did each frame. A frame that a task does not do has no times.
-struct Trace {
-  static constexpr Ns kNot = std::numeric_limits<Ns>::max();
-  struct Task {
-    std::vector<Ns> start, end;  ///< by frame: inputs there, outputs posted
-    std::vector<Ns> gone;        ///< by frame: when it was dropped
-    std::size_t dropped = 0;
-  };
-  std::vector<Task> tasks;
-};
 
 /// What passes between tasks, or from the sensors to them: sent to a node once, whoever wants it.
 struct Channel {
@@ -67,11 +55,23 @@ struct Scene {
   }
 };
 
-template <typename Clock>
+/// Simulates everything.
+struct NoRepeats {
+  static constexpr Ns due() { return Trace::kNot; }
+  template <typename Clock>
+  static void look(std::vector<Actor>&, Clock&, Trace&) {}
+};
+
+template <typename Clock, typename Repeats = NoRepeats>
 class Driver {
  public:
-  Driver(const Scene& scene, Clock& clock, Trace& trace)
-      : scene_(scene), clock_(clock), trace_(trace), tasks_(scene.pipeline->tasks) {
+  /// `Repeats` may leave out what comes again: see repetition.h.
+  Driver(const Scene& scene, Clock& clock, Trace& trace, Repeats* repeats = nullptr)
+      : scene_(scene),
+        clock_(clock),
+        trace_(trace),
+        repeats_(repeats),
+        tasks_(scene.pipeline->tasks) {
     actors_.resize(tasks_.size());
     turns_.resize(scene.swaps.size());
     for (std::uint32_t i = 0; i < tasks_.size(); ++i) {
@@ -88,6 +88,7 @@ class Driver {
 
   void run() {
     for (std::uint32_t i = pick(); i != kNone; i = pick()) {
+      if (clock_.now(i) >= due()) repeats_->look(actors_, clock_, trace_);
       Actor& actor = actors_[i];
       do {
         act(i, actor);
@@ -99,22 +100,10 @@ class Driver {
   }
 
  private:
-  enum class State : std::uint8_t { ready, blocked, done };
-  enum class Stage : std::uint8_t { take, trigger, sense, inputs, turn, steps };
+  using State = Actor::State;
+  using Stage = Actor::Stage;
   enum class Message : std::uint8_t { not_due, undecided, dropped, there };
 
-  struct Actor {
-    State state = State::ready;
-    Stage stage = Stage::take;
-    std::size_t next = 0;     ///< first frame that has not been looked at yet
-    std::size_t frame = 0;    ///< in work
-    std::size_t decided = 0;  ///< frames below are posted, or will never be
-    std::uint32_t input = 0;
-    bool any = false;  ///< an input of this frame has come
-    std::size_t op = 0;
-    const CompiledFrame* program = nullptr;
-    std::vector<std::size_t> queue;  ///< frames that wait; a handful at most
-  };
   /// Whose bitstream an FPGA has.
   struct Turn {
     std::uint32_t holder = kNone, last = kNone;
@@ -149,8 +138,9 @@ class Driver {
   /// Below this clock it is the turn of task i.
   Ns until(std::uint32_t i) const {
     if (woken_) return 0;
-    return others_ + (i < other_ && others_ != Trace::kNot ? 1 : 0);
+    return std::min(due(), others_ + (i < other_ && others_ != Trace::kNot ? 1 : 0));
   }
+  Ns due() const { return repeats_ != nullptr ? repeats_->due() : Trace::kNot; }
 
   void act(std::uint32_t i, Actor& actor) {
     switch (actor.stage) {
@@ -351,6 +341,7 @@ class Driver {
   const Scene& scene_;
   Clock& clock_;
   Trace& trace_;
+  Repeats* repeats_;
   const std::vector<PipelineTask>& tasks_;
   std::vector<Actor> actors_;
   std::vector<Turn> turns_;

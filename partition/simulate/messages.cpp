@@ -1,5 +1,8 @@
 #include "partition/simulate/messages.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace partita::partition {
 
 void Messages::reset(const Scene& scene) {
@@ -23,6 +26,45 @@ Ns Messages::deliver(std::uint32_t task, std::uint32_t channel, std::size_t fram
     if (bytes > 0) link_bytes_[compiler_.link_between(home, node)] += bytes;
   }
   return there;
+}
+
+/// What is sent from now on was posted then or later.
+Ns Messages::earliest_post(Ns at, std::size_t first, std::size_t last) const {
+  Ns earliest = std::min(at, first * scene_->pipeline->period_ns);
+  for (std::size_t task = 0; task < scene_->tasks.size(); ++task) {
+    for (std::size_t k = first; k < last; ++k) {
+      earliest = std::min(earliest, posts_[task * scene_->frames + k]);
+    }
+  }
+  return earliest;
+}
+
+void Messages::save(Ns at, std::size_t first, std::size_t last, std::vector<Ns>& words) const {
+  for (const auto* times : {&posts_, &delivered_}) {
+    for (std::size_t row = 0; row < times->size(); row += scene_->frames) {
+      for (std::size_t k = first; k < last; ++k) {
+        const Ns time = (*times)[row + k];
+        words.push_back(time == Trace::kNot ? time : time - at);
+      }
+    }
+  }
+  const Ns since = earliest_post(at, first, last);
+  const std::vector<Ns> taken = networks_.save(since).words;
+  words.push_back(at - since);
+  words.insert(words.end(), taken.begin(), taken.end());
+}
+
+void Messages::forward(Ns time, std::size_t frames, std::size_t first, std::size_t last) {
+  const Ns since = earliest_post(first * scene_->pipeline->period_ns, first, last);
+  networks_.restore(networks_.save(since).words, since + time);
+  for (auto* times : {&posts_, &delivered_}) {
+    for (std::size_t row = 0; row < times->size(); row += scene_->frames) {
+      for (std::size_t k = last; k-- > first;) {
+        const Ns old = std::exchange((*times)[row + k], Trace::kNot);
+        (*times)[row + k + frames] = old == Trace::kNot ? old : old + time;
+      }
+    }
+  }
 }
 
 Ns Messages::sensor(std::uint32_t task, std::size_t frame) {

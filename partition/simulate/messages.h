@@ -21,11 +21,16 @@ class Messages {
   void post(std::uint32_t task, std::size_t frame, Ns time) {
     posts_[task * scene_->frames + frame] = time;
   }
+  /// See repetition.h.
+  bool idle(Ns at) const { return networks_.save(at).words.empty(); }
+  void save(Ns at, std::size_t first, std::size_t last, std::vector<Ns>& words) const;
+  void forward(Ns time, std::size_t frames, std::size_t first, std::size_t last);
   /// Links between nodes.
   const timeline::Placement& calendars() const { return networks_; }
   const std::vector<std::uint64_t>& link_bytes() const { return link_bytes_; }
 
  private:
+  Ns earliest_post(Ns at, std::size_t first, std::size_t last) const;
   Ns deliver(std::uint32_t task, std::uint32_t channel, std::size_t frame, std::uint32_t home,
              Ns posted);
 

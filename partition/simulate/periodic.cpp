@@ -53,57 +53,34 @@ class Weighted {
   std::vector<std::pair<Ns, std::size_t>> values_;
 };
 
-void add(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& more,
-         std::size_t times) {
-  sum.resize(more.size(), 0);
-  for (std::size_t i = 0; i < more.size(); ++i) sum[i] += times * more[i];
-}
-
-void add(Consumption& sum, const Consumption& more, std::size_t times) {
-  add(sum.device_busy, more.device_busy, times);
-  add(sum.node_busy, more.node_busy, times);
-  add(sum.device_bytes, more.device_bytes, times);
-  add(sum.node_bytes, more.node_bytes, times);
-  add(sum.link_bytes, more.link_bytes, times);
-}
-
-/// Collects the stretches of frames that the whole is made of.
+/// Collects the frames that the whole is made of.
 class Sum {
  public:
-  /// `part`, a stretch that begins on an idle machine, occurs `at.count` times, first and last at
-  /// those frames. False if it is not over when the next begins, where one does.
-  bool add(const Scene& part, RecallingClock& clock, Trace& trace, const FrameKind& at,
-           bool at_the_end = false) {
-    const auto [first, last, times] = at;
-    clock.reset(part);
-    Driver<RecallingClock>(part, clock, trace).run();
-    const Ns period = part.pipeline->period_ns;
-    if (clock.horizon() > part.frames * period && !at_the_end) return false;
-    if (!clock.exact() || posts_at_once(trace)) return false;
-    const Figures figures = figures_of(trace, part);
-    run_.figures.late += times * figures.late;
-    run_.figures.dropped += times * figures.dropped;
-    run_.figures.dropped_by_tasks += times * figures.dropped_by_tasks;
-    partition::add(run_.consumption, clock.consumption(), times);
+  /// `frame`, on an idle machine, occurs as often as `kind` says. False if it is not over when the
+  /// next one begins.
+  bool add(const Scene& frame, RecallingClock& clock, Trace& trace, const FrameKind& kind) {
+    clock.reset(frame);
+    Driver<RecallingClock>(frame, clock, trace).run();
+    const Ns period = frame.pipeline->period_ns;
+    if (clock.horizon() > period || !clock.exact()) return false;
+    if (Repetition::posts_at_once(trace)) return false;
+    Figures figures;
+    count_frames(trace, frame, figures);
+    run_.figures.late += kind.count * figures.late;
+    run_.figures.dropped += kind.count * figures.dropped;
+    run_.figures.dropped_by_tasks += kind.count * figures.dropped_by_tasks;
+    partition::add(run_.consumption, clock.consumption(), kind.count);
     run_.consumption.makespan =
-        std::max(run_.consumption.makespan, last * period + clock.horizon());
-    for (std::size_t k = 0; k < part.frames; ++k) {
-      const Ns end = last_end(trace, part.pipeline->outputs, k);
-      const Ns perceived = last_end(trace, part.pipeline->perception, k);
-      if (perceived != Trace::kNot) perception_.add(perceived - k * period, times);
-      if (end == Trace::kNot) continue;
-      latency_.add(end - k * period, times);
-      finished_ += times;
-      first_ = std::min(first_, first * period + end);
-      last_ = std::max(last_, last * period + end);
-    }
+        std::max(run_.consumption.makespan, kind.last * period + clock.horizon());
+    const Ns end = last_end(trace, frame.pipeline->outputs, 0);
+    const Ns perceived = last_end(trace, frame.pipeline->perception, 0);
+    if (perceived != Trace::kNot) perception_.add(perceived, kind.count);
+    if (end == Trace::kNot) return true;
+    latency_.add(end, kind.count);
+    finished_ += kind.count;
+    first_ = std::min(first_, kind.first * period + end);
+    last_ = std::max(last_, kind.last * period + end);
     return true;
-  }
-
-  /// What is posted at time 0 finds its reader awake, as at no later frame.
-  static bool posts_at_once(const Trace& trace) {
-    return std::any_of(trace.tasks.begin(), trace.tasks.end(),
-                       [](const Trace::Task& task) { return task.end.front() == 0; });
   }
 
   PeriodicRun result() {
@@ -120,33 +97,6 @@ class Sum {
   Ns first_ = Trace::kNot;  ///< END of the first frame that was finished
   Ns last_ = 0;
 };
-
-/// A frame of each kind on an idle machine.
-std::optional<PeriodicRun> by_frames(const Scene& whole, const Cycle& cycle, RecallingClock& clock,
-                                     Trace& trace) {
-  Sum sum;
-  Scene part = whole;
-  part.frames = 1;
-  for (const FrameKind& kind : cycle.kinds) {
-    part.offset = kind.first;
-    if (!sum.add(part, clock, trace, kind)) return std::nullopt;
-  }
-  return sum.result();
-}
-
-/// One cycle on an idle machine, and what is left of another one at the end.
-std::optional<PeriodicRun> by_cycle(const Scene& whole, std::size_t cycle, RecallingClock& clock,
-                                    Trace& trace) {
-  Sum sum;
-  const std::size_t cycles = whole.frames / cycle, rest = whole.frames % cycle;
-  Scene part = whole;
-  part.frames = cycle;
-  if (!sum.add(part, clock, trace, {0, (cycles - 1) * cycle, cycles})) return std::nullopt;
-  part.frames = rest;
-  const std::size_t tail = cycles * cycle;
-  if (rest > 0 && !sum.add(part, clock, trace, {tail, tail, 1}, true)) return std::nullopt;
-  return sum.result();
-}
 
 }  // namespace
 
@@ -176,12 +126,18 @@ Cycle cycle_of(const Pipeline& pipeline, const std::vector<const TaskWork*>& wor
 
 std::optional<PeriodicRun> run_periodic(const Scene& scene, const Cycle& cycle,
                                         RecallingClock& clock, Trace& trace) {
-  if (cycle.length == 0) return std::nullopt;
   // Frame by frame costs more a frame; it has to save many.
-  if (2 * cycle.kinds.size() <= cycle.length || cycle.length == 1) {
-    if (auto run = by_frames(scene, cycle, clock, trace)) return run;
+  if (cycle.length == 0 || (2 * cycle.kinds.size() > cycle.length && cycle.length > 1)) {
+    return std::nullopt;
   }
-  return cycle.length == 1 ? std::nullopt : by_cycle(scene, cycle.length, clock, trace);
+  Sum sum;
+  Scene frame = scene;
+  frame.frames = 1;
+  for (const FrameKind& kind : cycle.kinds) {
+    frame.offset = kind.first;
+    if (!sum.add(frame, clock, trace, kind)) return std::nullopt;
+  }
+  return sum.result();
 }
 
 }  // namespace partita::partition

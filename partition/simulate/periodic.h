@@ -1,8 +1,8 @@
-// Frames that repeat, exactly and without simulating all of them. Tasks that run on every k-th
-// frame, and the frames of a recorded run, repeat with the pipeline's cycle, the least common
-// multiple of all these numbers. Where a frame is over before the next one is triggered, every
-// frame begins on an idle machine, and only as many have to be simulated as there are different
-// ones; where that holds for a whole cycle only, one cycle. Inside the partitioner only.
+// Frames that each begin on an idle machine, because the one before is over when they are triggered:
+// only as many have to be simulated as there are different ones. Tasks that run on every k-th frame,
+// and the frames of a recorded run, repeat with the pipeline's cycle, the least common multiple of
+// all these numbers. Where frames overlap, repetition.h leaves out cycles instead. Inside the
+// partitioner only.
 #ifndef PARTITA_PARTITION_SIMULATE_PERIODIC_H
 #define PARTITA_PARTITION_SIMULATE_PERIODIC_H
 
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "partition/simulate/recalling_clock.h"
+#include "partition/simulate/repetition.h"
 
 namespace partita::partition {
 
@@ -31,8 +32,8 @@ struct PeriodicRun {
   Figures figures;  ///< as figures_of() gives them, of all the scene's frames
   Consumption consumption;
 };
-/// Nothing if frames of one cycle reach into the next: then they have to be simulated. `clock` and
-/// `trace` are scratch.
+/// Nothing if a frame reaches into the next, or hardly any are alike. `clock` and `trace` are
+/// scratch.
 std::optional<PeriodicRun> run_periodic(const Scene& scene, const Cycle& cycle,
                                         RecallingClock& clock, Trace& trace);
 

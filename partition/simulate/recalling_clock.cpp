@@ -4,6 +4,11 @@
 #include <numeric>
 
 namespace partita::partition {
+namespace {
+
+constexpr Ns kLater = Trace::kNot - 1;  ///< than the one of the group who is through first
+
+}  // namespace
 
 void RecallingClock::reset(const Scene& scene) {
   scene_ = &scene;
@@ -22,6 +27,7 @@ void RecallingClock::reset(const Scene& scene) {
   used_.node_busy.assign(layout.nodes.size(), 0);
   used_.device_bytes.assign(layout.devices.size(), 0);
   used_.node_bytes.assign(layout.nodes.size(), 0);
+  used_.link_bytes.assign(layout.links.size(), 0);
 }
 
 /// Joins each task with the devices, cores and memories that it asks a calendar of.
@@ -107,7 +113,7 @@ void RecallingClock::set_finish(Group& group) {
   group.bound = false;
   moved_ = moved_ || group.moment->running.size() > 1;
   const Moment::Finish& finish = moments_.finish(*group.moment);
-  for (const Running& r : group.moment->running) threads_[r.task].clock = Trace::kNot - 1;
+  for (const Running& r : group.moment->running) threads_[r.task].clock = kLater;
   threads_[finish.task].clock = group.since + finish.time;
 }
 
@@ -152,9 +158,47 @@ Ns RecallingClock::horizon() const {
 
 Consumption RecallingClock::consumption() const {
   Consumption used = used_;
-  used.link_bytes = messages_.link_bytes();
+  partition::add(used.link_bytes, messages_.link_bytes(), 1);
   used.makespan = horizon();
   return used;
+}
+
+void RecallingClock::consume(const Consumption& more, std::size_t times) {
+  partition::add(used_, more, times);
+}
+
+bool RecallingClock::idle(Ns at) const {
+  return messages_.idle(at) &&
+         std::all_of(threads_.begin(), threads_.end(),
+                     [&](const Thread& t) {
+                       return !t.running && t.clock <= at && t.queue_end <= at;
+                     }) &&
+         std::all_of(groups_.begin(), groups_.end(),
+                     [&](const Group& group) { return group.moment->over(at - group.since); });
+}
+
+void RecallingClock::save(Ns at, std::size_t first, std::size_t last,
+                          std::vector<Ns>& words) const {
+  for (const Thread& t : threads_) {
+    words.insert(words.end(), {t.clock == kLater ? kLater : t.clock - at,
+                               t.queue_end > at ? t.queue_end - at : 0, t.running});
+  }
+  for (const Group& group : groups_) {
+    const bool over = group.moment->over(at - group.since);
+    const Moment* moment = over ? moments_.idle() : group.moment;
+    words.insert(words.end(), {reinterpret_cast<std::uintptr_t>(moment),
+                               over ? 0 : group.since - at, !over && group.bound});
+  }
+  messages_.save(at, first, last, words);
+}
+
+void RecallingClock::forward(Ns time, std::size_t frames, std::size_t first, std::size_t last) {
+  for (Thread& t : threads_) {
+    if (t.clock != kLater) t.clock += time;
+    t.queue_end += time;
+  }
+  for (Group& group : groups_) group.since += time;
+  messages_.forward(time, frames, first, last);
 }
 
 }  // namespace partita::partition

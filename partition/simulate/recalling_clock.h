@@ -46,6 +46,12 @@ class RecallingClock {
 
   Ns horizon() const;
   Consumption consumption() const;
+  // ---- For Repetition ---------------------------------------------------------------------------
+  bool idle(Ns at) const;
+  void save(Ns at, std::size_t first, std::size_t last, std::vector<Ns>& words) const;
+  void forward(Ns time, std::size_t frames, std::size_t first, std::size_t last);
+  void consume(const Consumption& more, std::size_t times);
+
   /// False if what was driven may differ from CompiledClock: then that has to do it.
   bool exact() const { return exact_ && moments_.exact(); }
 

@@ -58,10 +58,8 @@ class Simulator::Impl {
   std::string misfit(const TaskPlacement& placement, std::uint32_t device) const;
   template <typename Use>
   auto with_scratch(const Use& use) const;
-  /// Of scratch.scene, by one of the scratch's clocks.
-  template <typename Clock>
-  Figures simulate(Scratch& scratch, Clock& clock) const;
-  Figures quick(Scratch& scratch) const;
+  Figures simulate(Scratch& scratch) const;
+  Figures recall(Scratch& scratch) const;
   Figures priced(const Scratch& scratch, Figures figures, const Consumption& used) const;
   void add_engines(const Scratch& scratch, Figures& figures) const;
 
@@ -270,24 +268,27 @@ auto Simulator::Impl::with_scratch(const Use& use) const {
   return result;
 }
 
-template <typename Clock>
-Figures Simulator::Impl::simulate(Scratch& scratch, Clock& clock) const {
-  clock.reset(scratch.scene);
-  Driver<Clock>(scratch.scene, clock, scratch.trace).run();
-  return priced(scratch, figures_of(scratch.trace, scratch.scene), clock.consumption());
+/// Of scratch.scene, every command of every frame.
+Figures Simulator::Impl::simulate(Scratch& scratch) const {
+  scratch.clock.reset(scratch.scene);
+  Driver<CompiledClock>(scratch.scene, scratch.clock, scratch.trace).run();
+  return priced(scratch, figures_of(scratch.trace, scratch.scene), scratch.clock.consumption());
 }
 
-Figures Simulator::Impl::quick(Scratch& scratch) const {
+/// The same, without what is known and what repeats.
+Figures Simulator::Impl::recall(Scratch& scratch) const {
   const auto& swaps = scratch.scene.swaps;
   // A bitstream outlives its frame, and its load moves whoever is on the device.
-  if (std::find(swaps.begin(), swaps.end(), true) == swaps.end()) {
-    auto repeated = run_periodic(scratch.scene, cycle_, scratch.recalling, scratch.trace);
-    Figures figures =
-        repeated ? priced(scratch, std::move(repeated->figures), repeated->consumption)
-                 : simulate(scratch, scratch.recalling);
-    if (scratch.recalling.exact()) return figures;
+  if (std::find(swaps.begin(), swaps.end(), true) != swaps.end()) return simulate(scratch);
+  RecallingClock& clock = scratch.recalling;
+  if (auto run = run_periodic(scratch.scene, cycle_, clock, scratch.trace)) {
+    return priced(scratch, std::move(run->figures), run->consumption);
   }
-  return simulate(scratch, scratch.clock);
+  clock.reset(scratch.scene);
+  Repetition repetition(scratch.scene, cycle_.length);
+  Driver<RecallingClock, Repetition>(scratch.scene, clock, scratch.trace, &repetition).run();
+  if (!clock.exact()) return simulate(scratch);
+  return priced(scratch, figures_of(scratch.trace, scratch.scene), clock.consumption());
 }
 
 Figures Simulator::Impl::priced(const Scratch& scratch, Figures figures,
@@ -383,14 +384,14 @@ double Simulator::price(const TaskPlacement& placement) const {
 Figures Simulator::quick(const TaskPlacement& placement) const {
   return impl_->with_scratch([&](Impl::Scratch& scratch) {
     scratch.scene = impl_->scene(placement);
-    return impl_->quick(scratch);
+    return impl_->recall(scratch);
   });
 }
 
 Figures Simulator::run(const TaskPlacement& placement) const {
   return impl_->with_scratch([&](Impl::Scratch& scratch) {
     scratch.scene = impl_->scene(placement);
-    Figures figures = impl_->simulate(scratch, scratch.clock);
+    Figures figures = impl_->simulate(scratch);
     add_details(scratch.trace, scratch.scene, figures);
     for (std::size_t i = 0; i < figures.tasks.size(); ++i) {
       figures.tasks[i].alone_ns = impl_->alone_ns(static_cast<std::uint32_t>(i), placement[i]);
