@@ -42,8 +42,8 @@ std::vector<Freedom> freedom_of(const Scene& scene, const Compiler& compiler) {
 HostThreads::HostThreads(const Compiler& compiler)
     : compiler_(compiler), placement_(compiler.layout(), nullptr) {}
 
-void HostThreads::reset(std::size_t count) {
-  placement_.clear();
+void HostThreads::reset(std::size_t count, std::span<const Ns> taken) {
+  placement_.restore(taken);
   threads_.assign(count, {});
   held_.assign(compiler_.slots().size(), 0);
 }

@@ -5,6 +5,7 @@
 #ifndef PARTITA_PARTITION_SIMULATE_HOST_THREADS_H
 #define PARTITA_PARTITION_SIMULATE_HOST_THREADS_H
 
+#include <span>
 #include <vector>
 
 #include "partition/simulate/driver.h"
@@ -37,8 +38,9 @@ class HostThreads {
  public:
   explicit HostThreads(const Compiler& compiler);
 
-  /// Everything is free again, and the clocks of `count` threads are at 0.
-  void reset(std::size_t count);
+  /// Everything is free again but what was saved (see timeline::Placement), and the clocks of
+  /// `count` threads are at 0.
+  void reset(std::size_t count, std::span<const Ns> taken = {});
   HostThread& operator[](std::uint32_t i) { return threads_[i]; }
   const HostThread& operator[](std::uint32_t i) const { return threads_[i]; }
 

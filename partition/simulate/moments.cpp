@@ -48,8 +48,7 @@ void Moments::load(const Moment& moment) {
   running_ = moment.running;
   std::uint32_t threads = 0;
   for (const Running& r : running_) threads = std::max(threads, r.task + 1);
-  threads_.reset(threads);
-  threads_.calendars().restore(moment.taken);
+  threads_.reset(threads, moment.taken);
   for (const Running& r : running_) {
     threads_[r.task] = {r.compiled, r.free, r.clock, r.queue_end};
   }

@@ -19,7 +19,7 @@ void RecallingClock::reset(const Scene& scene) {
   if (tasks_ != scene.tasks) find_groups();
   for (Thread& t : threads_) {
     t.clock = t.queue_end = 0;
-    t.running = false;
+    t.running = t.alone = false;
   }
   for (Group& group : groups_) group = {moments_.idle(), 0, false};
   const timeline::Layout& layout = compiler_.layout();
@@ -76,6 +76,17 @@ void RecallingClock::add(const std::vector<Held>& held) {
   for (const Held& h : held) (h.cores ? used_.node_busy : used_.device_busy)[h.of] += h.busy;
 }
 
+/// With nobody beside it and nothing left of the frame before, it takes what it always does.
+bool RecallingClock::run_alone(Thread& t, const CompiledFrame& program) {
+  const std::uint32_t device = t.task->device;
+  if (!t.free.host || (device != kNone && !t.free.device) || t.queue_end > t.clock) return false;
+  if (program.free.queue_end > 0) t.queue_end = t.clock + program.free.queue_end;
+  t.clock += program.free.duration;
+  used_.node_busy[t.task->node] += program.free.host;
+  if (device != kNone) used_.device_busy[device] += program.free.compute;
+  return true;
+}
+
 /// Task i begins a program.
 void RecallingClock::join(std::uint32_t i, const CompiledFrame& program) {
   Thread& t = threads_[i];
@@ -120,8 +131,14 @@ void RecallingClock::set_finish(Group& group) {
 std::size_t RecallingClock::steps(std::uint32_t i, std::size_t, const CompiledFrame& program,
                                   std::size_t, Ns) {
   Thread& t = threads_[i];
+  if (t.alone) {
+    t.alone = false;
+    return program.ops.size();
+  }
   Group& group = groups_[t.group];
   if (!t.running) {
+    t.alone = run_alone(t, program);
+    if (t.alone) return 0;
     join(i, program);
     set_bounds(group, 1);
     return 0;
@@ -171,7 +188,7 @@ bool RecallingClock::idle(Ns at) const {
   return messages_.idle(at) &&
          std::all_of(threads_.begin(), threads_.end(),
                      [&](const Thread& t) {
-                       return !t.running && t.clock <= at && t.queue_end <= at;
+                       return !t.running && !t.alone && t.clock <= at && t.queue_end <= at;
                      }) &&
          std::all_of(groups_.begin(), groups_.end(),
                      [&](const Group& group) { return group.moment->over(at - group.since); });
@@ -181,7 +198,7 @@ void RecallingClock::save(Ns at, std::size_t first, std::size_t last,
                           std::vector<Ns>& words) const {
   for (const Thread& t : threads_) {
     words.insert(words.end(), {t.clock == kLater ? kLater : t.clock - at,
-                               t.queue_end > at ? t.queue_end - at : 0, t.running});
+                               t.queue_end > at ? t.queue_end - at : 0, t.running, t.alone});
   }
   for (const Group& group : groups_) {
     const bool over = group.moment->over(at - group.since);

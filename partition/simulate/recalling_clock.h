@@ -62,7 +62,8 @@ class RecallingClock {
     Ns node_wakeup = 0;
     Freedom free;
     std::uint32_t group = 0;
-    bool running = false;
+    bool running = false;  ///< in its group
+    bool alone = false;    ///< or at work without any calendar
   };
   struct Group {
     Moment* moment = nullptr;
@@ -74,6 +75,7 @@ class RecallingClock {
     if (end > threads_[i].clock) threads_[i].clock = end + threads_[i].node_wakeup;
   }
   void find_groups();
+  bool run_alone(Thread& t, const CompiledFrame& program);
   void join(std::uint32_t i, const CompiledFrame& program);
   void set_bounds(Group& group, std::size_t alone);
   void set_finish(Group& group);
