@@ -75,6 +75,7 @@ Placement::Taken Placement::save(Ns from) const {
   const auto since = [from](Ns time) { return time > from ? time - from : 0; };
   Taken taken;
   std::vector<Ns>& words = taken.words;
+  words.reserve(32);
   for (EngineId engine = 0; engine < busy_.size(); ++engine) {
     const auto& all = busy_[engine].all();
     if (all.empty() || all.back().end <= from) continue;

@@ -51,7 +51,8 @@ struct Scene {
   std::vector<bool> swaps;                 ///< by device: tasks take turns with their bitstreams
 
   bool runs(std::uint32_t task, std::size_t frame) const {
-    return (frame + offset) % pipeline->tasks[task].every == 0;
+    const std::uint32_t every = pipeline->tasks[task].every;
+    return every == 1 || (frame + offset) % every == 0;
   }
 };
 

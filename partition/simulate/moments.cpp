@@ -94,7 +94,6 @@ Moment* Moments::known(Ns at) {
   for (Running& r : moment.running) {
     r.queue_end = r.queue_end > std::max(r.clock, at) ? r.queue_end - at : 0;  // else as good as 0
     r.clock = since(r.clock, at);
-    r.earliest = since(r.earliest, at);
   }
   timeline::Placement::Taken taken = threads_.calendars().save(at);
   exact_ = exact_ && taken.all;
@@ -109,21 +108,22 @@ Moment* Moments::known(Ns at) {
   return &moments_.add(hash, std::move(moment));
 }
 
-std::vector<Held> Moments::held() const {
-  std::vector<Held> all;
+void AllHeld::add(const Held& held) {
+  const auto same = [&](const Held& other) {
+    return other.busy == 0 || (other.cores == held.cores && other.of == held.of);
+  };
+  const auto place = std::find_if(first.begin(), first.end(), same);
+  if (place == first.end()) return more.push_back(held);
+  *place = {place->busy + held.busy, held.of, held.cores};
+}
+
+AllHeld Moments::held() const {
+  AllHeld all;
   threads_.each_busy([&all](timeline::EngineKind kind, std::uint32_t node, std::uint32_t device,
                             Ns busy) {
     if (kind == timeline::EngineKind::link) return;
     const bool cores = kind == timeline::EngineKind::core;
-    const std::uint32_t of = cores ? node : device;
-    const auto known = std::find_if(all.begin(), all.end(), [&](const Held& held) {
-      return held.cores == cores && held.of == of;
-    });
-    if (known != all.end()) {
-      known->busy += busy;
-    } else {
-      all.push_back({cores, of, busy});
-    }
+    all.add({busy, cores ? node : device, cores});
   });
   return all;
 }

@@ -5,6 +5,7 @@
 #ifndef PARTITA_PARTITION_SIMULATE_MOMENTS_H
 #define PARTITA_PARTITION_SIMULATE_MOMENTS_H
 
+#include <array>
 #include <vector>
 
 #include "partition/simulate/host_threads.h"
@@ -20,15 +21,20 @@ struct Running {
   const CompiledFrame* program = nullptr;
   Freedom free;
   Ns clock = 0, queue_end = 0;
-  Ns earliest = 0;  ///< its program cannot be over before
   bool operator==(const Running&) const = default;
 };
 
 /// Time that engines were held: of a device's compute engines, or of a node's cores.
 struct Held {
-  bool cores = false;
-  std::uint32_t of = 0;
   Ns busy = 0;
+  std::uint32_t of = 0;
+  bool cores = false;
+};
+/// Mostly of one device and one node.
+struct AllHeld {
+  std::array<Held, 2> first;
+  std::vector<Held> more;
+  void add(const Held& held);
 };
 
 /// All times are since the moment.
@@ -38,15 +44,12 @@ struct Moment {
     Moment* after = nullptr;  ///< null: not known yet
     Ns time = 0, queue_end = 0;
     std::uint32_t task = 0;
-    std::vector<Held> held;
+    AllHeld held;
   };
+  Ns taken_until = 0;  ///< all engines and memories are free from then on
+  Finish finish;
   std::vector<Running> running;
   std::vector<Ns> taken;  ///< as timeline::Placement::save() gives it
-  Ns taken_until = 0;     ///< they are all free from then on
-  Finish finish;
-
-  /// Nobody runs, and the engines are free from `time` on.
-  bool over(Ns time) const { return running.empty() && taken_until <= time; }
 };
 
 class Moments {
@@ -61,7 +64,7 @@ class Moments {
     const Moment* before = nullptr;
     Running joining;
     Moment* after = nullptr;
-    std::vector<Held> held;  ///< from the moment until then
+    AllHeld held;  ///< from the moment until then
   };
   const Start& start(const Moment& moment, const Running& joining) {
     const std::uint64_t hash = mixed(
@@ -86,7 +89,7 @@ class Moments {
   void load(const Moment& moment);
   std::size_t advance(Ns before, std::uint32_t before_task);
   Moment* known(Ns at);
-  std::vector<Held> held() const;
+  AllHeld held() const;
 
   const Compiler& compiler_;
   HostThreads threads_;

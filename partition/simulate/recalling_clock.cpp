@@ -21,7 +21,11 @@ void RecallingClock::reset(const Scene& scene) {
     t.clock = t.queue_end = 0;
     t.running = t.alone = false;
   }
-  for (Group& group : groups_) group = {moments_.idle(), 0, false};
+  for (Group& group : groups_) {
+    group.moment = moments_.idle();
+    group.since = 0;
+    group.running.clear();
+  }
   const timeline::Layout& layout = compiler_.layout();
   used_.device_busy.assign(layout.devices.size(), 0);
   used_.node_busy.assign(layout.nodes.size(), 0);
@@ -72,8 +76,14 @@ void RecallingClock::find_groups() {
   groups_.resize(roots.size());
 }
 
-void RecallingClock::add(const std::vector<Held>& held) {
-  for (const Held& h : held) (h.cores ? used_.node_busy : used_.device_busy)[h.of] += h.busy;
+void RecallingClock::add(const AllHeld& held) {
+  const auto one = [this](const Held& h) {
+    (h.cores ? used_.node_busy : used_.device_busy)[h.of] += h.busy;
+  };
+  for (const Held& h : held.first) {
+    if (h.busy > 0) one(h);
+  }
+  for (const Held& h : held.more) one(h);
 }
 
 /// With nobody beside it and nothing left of the frame before, it takes what it always does.
@@ -95,7 +105,10 @@ void RecallingClock::join(std::uint32_t i, const CompiledFrame& program) {
     exact_ = false;
     t.clock = group.since;
   }
-  if (group.moment->over(t.clock - group.since)) group = {moments_.idle(), t.clock, false};
+  if (over(group, t.clock)) {
+    group.moment = moments_.idle();
+    group.since = t.clock;
+  }
   Running joining;
   joining.task = i;
   joining.compiled = t.task;
@@ -103,28 +116,28 @@ void RecallingClock::join(std::uint32_t i, const CompiledFrame& program) {
   joining.free = t.free;
   joining.clock = t.clock - group.since;
   joining.queue_end = t.queue_end > t.clock ? t.queue_end - group.since : 0;
-  joining.earliest = joining.clock + program.free.duration;
   const Moments::Start& start = moments_.start(*group.moment, joining);
   add(start.held);
   group.moment = start.after;
   group.since = t.clock;
+  group.running.push_back(i);
   t.running = true;
+  t.earliest = t.clock + program.free.duration;
 }
 
-void RecallingClock::set_bounds(Group& group, std::size_t alone) {
+void RecallingClock::set_bounds(Group& group) {
   group.bound = true;
-  moved_ = moved_ || group.moment->running.size() > alone;
-  for (const Running& r : group.moment->running) {
-    threads_[r.task].clock = group.since + std::max(r.clock, r.earliest);
+  for (const std::uint32_t task : group.running) {
+    threads_[task].clock = std::max(threads_[task].earliest, group.since);
   }
 }
 
 /// Only the first to be through has a time; the others have their turn when they are the first.
 void RecallingClock::set_finish(Group& group) {
   group.bound = false;
-  moved_ = moved_ || group.moment->running.size() > 1;
+  moved_ = moved_ || group.running.size() > 1;
   const Moment::Finish& finish = moments_.finish(*group.moment);
-  for (const Running& r : group.moment->running) threads_[r.task].clock = kLater;
+  for (const std::uint32_t task : group.running) threads_[task].clock = kLater;
   threads_[finish.task].clock = group.since + finish.time;
 }
 
@@ -139,8 +152,9 @@ std::size_t RecallingClock::steps(std::uint32_t i, std::size_t, const CompiledFr
   if (!t.running) {
     t.alone = run_alone(t, program);
     if (t.alone) return 0;
+    moved_ = moved_ || !group.running.empty();
     join(i, program);
-    set_bounds(group, 1);
+    set_bounds(group);
     return 0;
   }
   const Ns turn = t.clock;
@@ -161,7 +175,9 @@ Ns RecallingClock::post(std::uint32_t i, std::size_t frame) {
     t.running = false;
     group.since += finish.time;
     group.moment = finish.after;
-    set_bounds(group, 0);
+    std::erase(group.running, i);
+    moved_ = moved_ || !group.running.empty();
+    set_bounds(group);
   }
   messages_.post(i, frame, t.clock);
   return t.clock;
@@ -191,7 +207,7 @@ bool RecallingClock::idle(Ns at) const {
                        return !t.running && !t.alone && t.clock <= at && t.queue_end <= at;
                      }) &&
          std::all_of(groups_.begin(), groups_.end(),
-                     [&](const Group& group) { return group.moment->over(at - group.since); });
+                     [&](const Group& group) { return over(group, at); });
 }
 
 void RecallingClock::save(Ns at, std::size_t first, std::size_t last,
@@ -201,10 +217,13 @@ void RecallingClock::save(Ns at, std::size_t first, std::size_t last,
                                t.queue_end > at ? t.queue_end - at : 0, t.running, t.alone});
   }
   for (const Group& group : groups_) {
-    const bool over = group.moment->over(at - group.since);
-    const Moment* moment = over ? moments_.idle() : group.moment;
+    const bool idle = over(group, at);
+    const Moment* moment = idle ? moments_.idle() : group.moment;
     words.insert(words.end(), {reinterpret_cast<std::uintptr_t>(moment),
-                               over ? 0 : group.since - at, !over && group.bound});
+                               idle ? 0 : group.since - at, !idle && group.bound});
+    for (const std::uint32_t task : group.running) {
+      words.insert(words.end(), {task, threads_[task].earliest - at});
+    }
   }
   messages_.save(at, first, last, words);
 }
@@ -213,6 +232,7 @@ void RecallingClock::forward(Ns time, std::size_t frames, std::size_t first, std
   for (Thread& t : threads_) {
     if (t.clock != kLater) t.clock += time;
     t.queue_end += time;
+    t.earliest += time;
   }
   for (Group& group : groups_) group.since += time;
   messages_.forward(time, frames, first, last);

@@ -59,6 +59,7 @@ class RecallingClock {
   struct Thread {
     const CompiledTask* task = nullptr;
     Ns clock = 0, queue_end = 0;
+    Ns earliest = 0;  ///< running: not through before
     Ns node_wakeup = 0;
     Freedom free;
     std::uint32_t group = 0;
@@ -68,7 +69,8 @@ class RecallingClock {
   struct Group {
     Moment* moment = nullptr;
     Ns since = 0;
-    bool bound = false;  ///< clocks of its running tasks are bounds only
+    std::vector<std::uint32_t> running;  ///< tasks
+    bool bound = false;  ///< their clocks are bounds only
   };
 
   void wait_for(std::uint32_t i, Ns end) {
@@ -77,9 +79,13 @@ class RecallingClock {
   void find_groups();
   bool run_alone(Thread& t, const CompiledFrame& program);
   void join(std::uint32_t i, const CompiledFrame& program);
-  void set_bounds(Group& group, std::size_t alone);
+  void set_bounds(Group& group);
   void set_finish(Group& group);
-  void add(const std::vector<Held>& held);
+  /// Nobody runs, and the engines are free from `time` on.
+  static bool over(const Group& group, Ns time) {
+    return group.running.empty() && group.moment->taken_until <= time - group.since;
+  }
+  void add(const AllHeld& held);
 
   const Compiler& compiler_;
   Moments moments_;
