@@ -35,11 +35,11 @@ Consumption CompiledClock::consumption() const {
   c.node_bytes = node_bytes_;
   c.link_bytes = messages_.link_bytes();
   c.makespan = horizon();
-  threads_.each_busy([&c](timeline::EngineKind kind, std::uint32_t node, std::uint32_t device,
-                          Ns busy) {
-    if (kind == timeline::EngineKind::core) c.node_busy[node] += busy;
-    if (kind == timeline::EngineKind::compute) c.device_busy[device] += busy;
-  });
+  threads_.each_busy(
+      [&c](timeline::EngineKind kind, std::uint32_t node, std::uint32_t device, Ns busy) {
+        if (kind == timeline::EngineKind::core) c.node_busy[node] += busy;
+        if (kind == timeline::EngineKind::compute) c.device_busy[device] += busy;
+      });
   return c;
 }
 

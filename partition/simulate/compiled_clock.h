@@ -54,7 +54,7 @@ class CompiledClock {
   HostThreads threads_;
   Messages messages_;
   const Scene* scene_ = nullptr;
-  std::vector<Ns> node_wakeup_;                          ///< by task
+  std::vector<Ns> node_wakeup_;                           ///< by task
   std::vector<std::uint64_t> device_bytes_, node_bytes_;  ///< of what was posted
 };
 

@@ -14,7 +14,8 @@
 //                                    below `until` or nobody can notice, more; returns how many
 //   Ns post(i, frame)                what it made of a frame is there, now
 //   bool moved_others()              steps() or post() has changed clocks of other tasks since
-//   kLooksAhead                      steps() does the last operation when it is the task's turn then
+//   kLooksAhead                      steps() does the last operation when the turn after it has
+//   come
 #ifndef PARTITA_PARTITION_SIMULATE_DRIVER_H
 #define PARTITA_PARTITION_SIMULATE_DRIVER_H
 

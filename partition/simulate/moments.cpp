@@ -5,7 +5,7 @@
 namespace partita::partition {
 namespace {
 
-constexpr std::size_t kMostWords = std::size_t{8} << 20;  // 64 MiB a thread
+constexpr std::size_t kMostBytes = std::size_t{64} << 20;  // for each thread of a search
 
 std::uint64_t hash_of(const std::vector<Running>& running, const std::vector<Ns>& taken) {
   std::uint64_t hash = running.size();
@@ -28,17 +28,17 @@ bool before(Ns clock, std::uint32_t task, Ns other, std::uint32_t other_task) {
 
 }  // namespace
 
-Moments::Moments(const Compiler& compiler) : compiler_(compiler), threads_(compiler) {
+Moments::Moments(const Compiler& compiler) : threads_(compiler) {
   threads_.reset(0);
   idle_ = known(0);
 }
 
 void Moments::bound_memory() {
-  if (exact_ && words_ <= kMostWords) return;
+  if (exact_ && bytes_ <= kMostBytes) return;
   exact_ = true;
   starts_.clear();
   moments_.clear();
-  words_ = 0;
+  bytes_ = 0;
   running_.clear();
   threads_.reset(0);
   idle_ = known(0);
@@ -104,7 +104,7 @@ Moment* Moments::known(Ns at) {
     return other.running == moment.running && other.taken == moment.taken;
   });
   if (known != nullptr) return known;
-  words_ += 40 + moment.taken.size() + 10 * moment.running.size();
+  bytes_ += sizeof(Moment) + 8 * moment.taken.size() + sizeof(Running) * moment.running.size();
   return &moments_.add(hash, std::move(moment));
 }
 
@@ -119,12 +119,12 @@ void AllHeld::add(const Held& held) {
 
 AllHeld Moments::held() const {
   AllHeld all;
-  threads_.each_busy([&all](timeline::EngineKind kind, std::uint32_t node, std::uint32_t device,
-                            Ns busy) {
-    if (kind == timeline::EngineKind::link) return;
-    const bool cores = kind == timeline::EngineKind::core;
-    all.add({busy, cores ? node : device, cores});
-  });
+  threads_.each_busy(
+      [&all](timeline::EngineKind kind, std::uint32_t node, std::uint32_t device, Ns busy) {
+        if (kind == timeline::EngineKind::link) return;
+        const bool cores = kind == timeline::EngineKind::core;
+        all.add({busy, cores ? node : device, cores});
+      });
   return all;
 }
 
@@ -135,7 +135,7 @@ const Moments::Start& Moments::find_start(std::uint64_t hash, const Moment& mome
   Start start{&moment, joining, nullptr, held()};
   running_.push_back(joining);
   start.after = known(joining.clock);
-  words_ += 32;
+  bytes_ += sizeof(Start);
   return starts_.add(hash, std::move(start));
 }
 

@@ -67,9 +67,9 @@ class Moments {
     AllHeld held;  ///< from the moment until then
   };
   const Start& start(const Moment& moment, const Running& joining) {
-    const std::uint64_t hash = mixed(
-        mixed(mixed(mixed(joining.task, &moment), joining.clock), joining.queue_end),
-        joining.program);
+    const std::uint64_t hash =
+        mixed(mixed(mixed(mixed(joining.task, &moment), joining.clock), joining.queue_end),
+              joining.program);
     const Start* known = starts_.find(hash, [&](const Start& start) {
       return start.before == &moment && start.joining == joining;
     });
@@ -91,13 +91,12 @@ class Moments {
   Moment* known(Ns at);
   AllHeld held() const;
 
-  const Compiler& compiler_;
   HostThreads threads_;
   std::vector<Running> running_;  ///< while a moment is simulated
   Known<Moment> moments_;
   Known<Start> starts_;
   Moment* idle_ = nullptr;
-  std::size_t words_ = 0;  ///< of all moments
+  std::size_t bytes_ = 0;  ///< of all moments and starts
   bool exact_ = true;
 };
 

@@ -1,8 +1,8 @@
-// Frames that each begin on an idle machine, because the one before is over when they are triggered:
-// only as many have to be simulated as there are different ones. Tasks that run on every k-th frame,
-// and the frames of a recorded run, repeat with the pipeline's cycle, the least common multiple of
-// all these numbers. Where frames overlap, repetition.h leaves out cycles instead. Inside the
-// partitioner only.
+// Frames that each begin on an idle machine, because the one before is over when they are
+// triggered: only as many have to be simulated as there are different ones. Tasks that run on every
+// k-th frame, and the frames of a recorded run, repeat with the pipeline's cycle, the least common
+// multiple of all these numbers. Where frames overlap, repetition.h leaves out cycles instead.
+// Inside the partitioner only.
 #ifndef PARTITA_PARTITION_SIMULATE_PERIODIC_H
 #define PARTITA_PARTITION_SIMULATE_PERIODIC_H
 

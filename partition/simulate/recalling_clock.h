@@ -70,7 +70,7 @@ class RecallingClock {
     Moment* moment = nullptr;
     Ns since = 0;
     std::vector<std::uint32_t> running;  ///< tasks
-    bool bound = false;  ///< their clocks are bounds only
+    bool bound = false;                  ///< their clocks are bounds only
   };
 
   void wait_for(std::uint32_t i, Ns end) {

@@ -43,9 +43,11 @@ class Repetition {
       if (times > 0) go_forward(actors, clock, trace, now, length, times);
       return stop();
     }
-    // Brent: compared is with cycle 0, 1, 2, 4, …, so that one state has to be kept.
-    if (now.frame / cycle_ >= 2 * before_.frame / cycle_) before_ = std::move(now);
-    next_ += cycle_ * period();
+    // Brent: compared is with cycle 0, 1, 2, 4, …, so that one state has to be kept. The longer
+    // nothing has come again, the less often it is looked for.
+    const std::size_t cycles = now.frame / cycle_;
+    if (cycles >= 2 * before_.frame / cycle_) before_ = std::move(now);
+    next_ += std::max<std::size_t>(1, cycles / 8) * cycle_ * period();
   }
 
   /// What is posted at time 0 finds its reader awake, as at no later frame.
@@ -63,11 +65,14 @@ class Repetition {
     std::vector<std::size_t> dropped;  ///< by task
   };
 
+  /// Frames in work at once. Where more wait, queues grow, and nothing comes again.
+  static constexpr std::size_t kWidest = 64;
+
   Ns period() const { return scene_.pipeline->period_ns; }
   void stop() { next_ = Trace::kNot; }
   static bool at_work(const Actor& actor) { return actor.stage != Actor::Stage::take; }
 
-  /// Of the frames that tasks are at. False if one of them has come to the end.
+  /// Of the frames that tasks are at. False if one of them has come to the end, or they are many.
   bool find_window(const std::vector<Actor>& actors, std::size_t frame) {
     first_ = frame;
     last_ = 0;
@@ -77,7 +82,7 @@ class Repetition {
       for (const std::size_t waiting : actor.queue) first_ = std::min(first_, waiting);
       last_ = std::max(last_, actor.next);
     }
-    return last_ < scene_.frames;
+    return last_ < scene_.frames && last_ - first_ <= kWidest;
   }
 
   template <typename Clock>
@@ -92,10 +97,9 @@ class Repetition {
     if (idle) return;
     std::vector<Ns>& words = mark.words;
     for (const Actor& a : actors) {
-      words.insert(words.end(),
-                   {static_cast<Ns>(a.state), static_cast<Ns>(a.stage), a.next - mark.frame,
-                    at_work(a) ? a.frame - mark.frame : 0, a.decided - mark.frame, a.input,
-                    a.any, a.op, a.queue.size()});
+      words.insert(words.end(), {static_cast<Ns>(a.state), static_cast<Ns>(a.stage),
+                                 a.next - mark.frame, at_work(a) ? a.frame - mark.frame : 0,
+                                 a.decided - mark.frame, a.input, a.any, a.op, a.queue.size()});
       for (const std::size_t waiting : a.queue) words.push_back(waiting - mark.frame);
     }
     words.insert(words.end(), {first_ - mark.frame, last_ - mark.frame});
