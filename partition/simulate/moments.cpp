@@ -45,6 +45,7 @@ void Moments::bound_memory() {
 }
 
 void Moments::load(const Moment& moment) {
+  ++simulated_;
   running_ = moment.running;
   std::uint32_t threads = 0;
   for (const Running& r : running_) threads = std::max(threads, r.task + 1);

@@ -78,6 +78,8 @@ class Moments {
   const Moment::Finish& finish(Moment& moment) {
     return moment.finish.after != nullptr ? moment.finish : find_finish(moment);
   }
+  /// How many moments had to be simulated so far.
+  std::size_t simulated() const { return simulated_; }
   /// False once a moment was too long for its calendars to forget nothing; it may be wrong.
   bool exact() const { return exact_; }
   /// Forgets everything if that is much, or not exact: Moments in use are gone.
@@ -97,6 +99,7 @@ class Moments {
   Known<Start> starts_;
   Moment* idle_ = nullptr;
   std::size_t bytes_ = 0;  ///< of all moments and starts
+  std::size_t simulated_ = 0;
   bool exact_ = true;
 };
 

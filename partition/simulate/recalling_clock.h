@@ -52,6 +52,8 @@ class RecallingClock {
   void forward(Ns time, std::size_t frames, std::size_t first, std::size_t last);
   void consume(const Consumption& more, std::size_t times);
 
+  /// How many moments had to be simulated so far.
+  std::size_t simulated() const { return moments_.simulated(); }
   /// False if what was driven may differ from CompiledClock: then that has to do it.
   bool exact() const { return exact_ && moments_.exact(); }
 

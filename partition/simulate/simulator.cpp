@@ -50,6 +50,10 @@ class Simulator::Impl {
     RecallingClock recalling;
     Trace trace;
     Scene scene;
+    /// Where nearly everything is new, as on few placements of a machine whose parts all share one
+    /// memory, remembering costs more than it gives: that many placements go without, then one
+    /// tries again.
+    std::size_t pause = 0, tried = 0;
   };
 
   Scene scene(const TaskPlacement& placement) const;
@@ -284,9 +288,16 @@ Figures Simulator::Impl::recall(Scratch& scratch) const {
   if (auto run = run_periodic(scratch.scene, cycle_, clock, scratch.trace)) {
     return priced(scratch, std::move(run->figures), run->consumption);
   }
+  if (scratch.pause > 0) {
+    --scratch.pause;
+    return simulate(scratch);
+  }
   clock.reset(scratch.scene);
   Repetition repetition(scratch.scene, cycle_.length);
   Driver<RecallingClock, Repetition>(scratch.scene, clock, scratch.trace, &repetition).run();
+  constexpr std::size_t kFewTries = 4, kPause = 8, kMostlyNew = 5;  // moments a frame
+  const bool mostly_new = clock.simulated() > kMostlyNew * options_.frames * ++scratch.tried;
+  if (mostly_new && scratch.tried >= kFewTries) scratch.pause = kPause;
   if (!clock.exact()) return simulate(scratch);
   return priced(scratch, figures_of(scratch.trace, scratch.scene), clock.consumption());
 }
