@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "partition/simulate/compile.h"
@@ -35,6 +36,14 @@ struct Actor {
   std::size_t op = 0;
   const CompiledFrame* program = nullptr;
   std::vector<std::size_t> queue;  ///< frames that wait; a handful at most
+
+  /// Before the first frame; its queue keeps its memory.
+  void reset() {
+    std::vector<std::size_t> empty = std::move(queue);
+    empty.clear();
+    *this = {};
+    queue = std::move(empty);
+  }
 };
 
 }  // namespace partita::partition

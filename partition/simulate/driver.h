@@ -53,7 +53,7 @@ struct Scene {
 
   bool runs(std::uint32_t task, std::size_t frame) const {
     const std::uint32_t every = pipeline->tasks[task].every;
-    return every == 1 || (frame + offset) % every == 0;
+    return every == 1 || static_cast<std::uint32_t>(frame + offset) % every == 0;
   }
 };
 
@@ -73,22 +73,11 @@ class Driver {
         clock_(clock),
         trace_(trace),
         repeats_(repeats),
-        tasks_(scene.pipeline->tasks) {
-    actors_.resize(tasks_.size());
-    turns_.resize(scene.swaps.size());
-    for (std::uint32_t i = 0; i < tasks_.size(); ++i) {
-      while (actors_[i].next < scene.frames && !scene.runs(i, actors_[i].next)) ++actors_[i].next;
-    }
-    trace_.tasks.resize(tasks_.size());
-    for (auto& task : trace_.tasks) {
-      task.start.assign(scene.frames, Trace::kNot);
-      task.end.assign(scene.frames, Trace::kNot);
-      task.gone.assign(scene.frames, Trace::kNot);
-      task.dropped = 0;
-    }
-  }
+        tasks_(scene.pipeline->tasks) {}
 
+  /// From the start, on a clock that has been reset. May be called again.
   void run() {
+    reset();
     for (std::uint32_t i = pick(); i != kNone; i = pick()) {
       if (clock_.now(i) >= due()) repeats_->look(actors_, clock_, trace_);
       Actor& actor = actors_[i];
@@ -112,26 +101,39 @@ class Driver {
     Ns released = 0;
   };
 
-  /// The ready task with the smallest clock, the first of equal ones; kNone: none is left.
-  std::uint32_t pick() {
-    woken_ = false;
-    other_ = kNone;
-    std::uint32_t first = kNone;
-    Ns least = Trace::kNot;
-    others_ = Trace::kNot;
-    for (std::uint32_t i = 0; i < actors_.size(); ++i) {
-      if (actors_[i].state != State::ready) continue;
-      const Ns now = clock_.now(i);
-      if (first == kNone || now < least) {
-        others_ = least;
-        other_ = first;
-        first = i;
-        least = now;
-      } else if (now < others_) {
-        others_ = now;
-        other_ = i;
+  void reset() {
+    actors_.resize(tasks_.size());
+    turns_.assign(scene_.swaps.size(), {});
+    trace_.tasks.resize(tasks_.size());
+    for (std::uint32_t i = 0; i < tasks_.size(); ++i) {
+      Actor& actor = actors_[i];
+      actor.reset();
+      while (actor.next < scene_.frames && !scene_.runs(i, actor.next)) ++actor.next;
+      Trace::Task& task = trace_.tasks[i];
+      for (auto* times : {&task.start, &task.end, &task.gone}) {
+        times->assign(scene_.frames, Trace::kNot);
       }
+      task.dropped = 0;
     }
+  }
+
+  /// The ready task with the smallest clock, the first of equal ones; kNone: none is left. Without
+  /// branches, since nobody can foretell them: with all bits set, a clock is kNot.
+  std::uint32_t pick() {
+    std::uint32_t first = kNone, second = kNone;
+    Ns least = Trace::kNot, next = Trace::kNot;
+    const auto count = static_cast<std::uint32_t>(actors_.size());
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Ns now = clock_.now(i) | (Ns{0} - Ns{actors_[i].state != State::ready});
+      const bool is_first = now < least, is_second = now < next;
+      next = is_first ? least : is_second ? now : next;
+      second = is_first ? first : is_second ? i : second;
+      least = is_first ? now : least;
+      first = is_first ? i : first;
+    }
+    woken_ = false;
+    others_ = next;
+    other_ = second;
     return first;
   }
 
@@ -159,7 +161,9 @@ class Driver {
       case Stage::inputs:
         return receive(i, actor);
       case Stage::turn:
-        return begin(i, actor);
+        begin(i, actor);
+        if (actor.state != State::ready || !goes_on(i)) return;
+        [[fallthrough]];
       case Stage::steps:
         if (actor.op == actor.program->ops.size()) return post(i, actor);
         actor.op += clock_.steps(i, actor.frame, *actor.program, actor.op, until(i));

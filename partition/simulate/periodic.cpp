@@ -56,11 +56,10 @@ class Weighted {
 /// Collects the frames that the whole is made of.
 class Sum {
  public:
-  /// `frame`, on an idle machine, occurs as often as `kind` says. False if it is not over when the
-  /// next one begins.
-  bool add(const Scene& frame, RecallingClock& clock, Trace& trace, const FrameKind& kind) {
-    clock.reset(frame);
-    Driver<RecallingClock>(frame, clock, trace).run();
+  /// `frame`, simulated on an idle machine, occurs as often as `kind` says. False if it is not over
+  /// when the next one begins.
+  bool add(const Scene& frame, const RecallingClock& clock, const Trace& trace,
+           const FrameKind& kind) {
     const Ns period = frame.pipeline->period_ns;
     if (clock.horizon() > period || !clock.exact()) return false;
     if (Repetition::posts_at_once(trace)) return false;
@@ -69,7 +68,7 @@ class Sum {
     run_.figures.late += kind.count * figures.late;
     run_.figures.dropped += kind.count * figures.dropped;
     run_.figures.dropped_by_tasks += kind.count * figures.dropped_by_tasks;
-    partition::add(run_.consumption, clock.consumption(), kind.count);
+    clock.add_consumption(run_.consumption, kind.count);
     run_.consumption.makespan =
         std::max(run_.consumption.makespan, kind.last * period + clock.horizon());
     const Ns end = last_end(trace, frame.pipeline->outputs, 0);
@@ -133,8 +132,11 @@ std::optional<PeriodicRun> run_periodic(const Scene& scene, const Cycle& cycle,
   Sum sum;
   Scene frame = scene;
   frame.frames = 1;
+  Driver<RecallingClock> driver(frame, clock, trace);
   for (const FrameKind& kind : cycle.kinds) {
     frame.offset = kind.first;
+    clock.reset(frame);
+    driver.run();
     if (!sum.add(frame, clock, trace, kind)) return std::nullopt;
   }
   return sum.result();

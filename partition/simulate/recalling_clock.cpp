@@ -190,10 +190,15 @@ Ns RecallingClock::horizon() const {
 }
 
 Consumption RecallingClock::consumption() const {
-  Consumption used = used_;
-  partition::add(used.link_bytes, messages_.link_bytes(), 1);
+  Consumption used;
+  add_consumption(used, 1);
   used.makespan = horizon();
   return used;
+}
+
+void RecallingClock::add_consumption(Consumption& sum, std::size_t times) const {
+  partition::add(sum, used_, times);
+  partition::add(sum.link_bytes, messages_.link_bytes(), times);
 }
 
 void RecallingClock::consume(const Consumption& more, std::size_t times) {

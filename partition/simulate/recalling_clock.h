@@ -46,6 +46,8 @@ class RecallingClock {
 
   Ns horizon() const;
   Consumption consumption() const;
+  /// All but the makespan, so many times.
+  void add_consumption(Consumption& sum, std::size_t times) const;
   // ---- For Repetition ---------------------------------------------------------------------------
   bool idle(Ns at) const;
   void save(Ns at, std::size_t first, std::size_t last, std::vector<Ns>& words) const;

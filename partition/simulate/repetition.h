@@ -1,8 +1,8 @@
 // Repetition: leaves out what a simulation would do again. Tasks that run on every k-th frame and
-// the frames of a recorded run repeat with a cycle of frames. Where the state of everything at the
-// end of one cycle is that at the end of an earlier one, in times and frames since then, the future
-// is the same too: the frames between come again as often as they fit into the simulation, and it
-// goes on behind them with its clocks set forward. Inside the partitioner only.
+// the frames of a recorded run repeat with a cycle of frames. Where the state of everything is that
+// of one or more whole cycles before, in times and frames since then, the future is the same too:
+// the frames between come again as often as they fit into the simulation, and it goes on behind
+// them with its clocks set forward. Inside the partitioner only.
 //
 // A Clock has for it, besides what Driver wants, with frames [first, last) in work and all others
 // over or not begun:
@@ -24,8 +24,8 @@ class Repetition {
  public:
   /// `cycle`: frames; 0: nothing repeats.
   Repetition(const Scene& scene, std::size_t cycle)
-      : scene_(scene), cycle_(cycle), next_(cycle == 0 ? Trace::kNot : cycle * period()) {
-    before_.dropped.resize(scene.tasks.size(), 0);
+      : scene_(scene), cycle_(cycle), start_(cycle == 0 ? 0 : start_of(scene, cycle)) {
+    next_ = cycle == 0 ? Trace::kNot : start_ * period();
   }
 
   /// When every clock has come so far, look() is due.
@@ -37,7 +37,7 @@ class Repetition {
     now.frame = next_ / period();
     if (!find_window(actors, now.frame)) return stop();
     save(actors, clock, trace, now);
-    if (now.words == before_.words && (before_.frame > 0 || !posts_at_once(trace))) {
+    if (before_.frame > 0 && now.words == before_.words) {
       const std::size_t length = now.frame - before_.frame;
       const std::size_t times = (scene_.frames - 1 - last_) / length;
       if (times > 0) go_forward(actors, clock, trace, now, length, times);
@@ -45,8 +45,8 @@ class Repetition {
     }
     // Brent: compared is with cycle 0, 1, 2, 4, …, so that one state has to be kept. The longer
     // nothing has come again, the less often it is looked for.
-    const std::size_t cycles = now.frame / cycle_;
-    if (cycles >= 2 * before_.frame / cycle_) before_ = std::move(now);
+    const std::size_t cycles = cycles_at(now.frame);
+    if (before_.frame == 0 || cycles >= 2 * cycles_at(before_.frame)) before_ = std::move(now);
     next_ += std::max<std::size_t>(1, cycles / 8) * cycle_ * period();
   }
 
@@ -57,9 +57,9 @@ class Repetition {
   }
 
  private:
-  /// At the end of a cycle. An idle machine has no words; so does it begin.
+  /// When a frame is triggered. An idle machine has no words.
   struct Mark {
-    std::size_t frame = 0;
+    std::size_t frame = 0;  ///< 0: nothing yet
     std::vector<Ns> words;
     Consumption used;
     std::vector<std::size_t> dropped;  ///< by task
@@ -68,6 +68,17 @@ class Repetition {
   /// Frames in work at once. Where more wait, queues grow, and nothing comes again.
   static constexpr std::size_t kWidest = 64;
 
+  /// The first frame at which to look. Whole cycles behind it, as few frames are left of the
+  /// simulation as tasks that run on every k-th one only may be ahead.
+  static std::size_t start_of(const Scene& scene, std::size_t cycle) {
+    std::size_t ahead = 1;
+    for (const PipelineTask& task : scene.pipeline->tasks) {
+      ahead = std::max<std::size_t>(ahead, task.every);
+    }
+    const std::size_t start = scene.frames > ahead ? (scene.frames - 1 - ahead) % cycle : 0;
+    return start > 0 ? start : cycle;
+  }
+  std::size_t cycles_at(std::size_t frame) const { return (frame - start_) / cycle_; }
   Ns period() const { return scene_.pipeline->period_ns; }
   void stop() { next_ = Trace::kNot; }
   static bool at_work(const Actor& actor) { return actor.stage != Actor::Stage::take; }
@@ -147,6 +158,7 @@ class Repetition {
 
   const Scene& scene_;
   std::size_t cycle_;
+  std::size_t start_;
   Ns next_;
   Mark before_;
   std::size_t first_ = 0, last_ = 0;  ///< frames in work

@@ -224,6 +224,7 @@ Scene Simulator::Impl::scene(const TaskPlacement& placement) const {
   scene.channels = &channels_;
   scene.frames = options_.frames;
   scene.swaps.assign(machine_.devices.size(), false);
+  scene.tasks.reserve(placement.size());
   for (std::size_t i = 0; i < placement.size(); ++i) {
     scene.tasks.push_back(&compiled_[i][placement[i]]);
   }
