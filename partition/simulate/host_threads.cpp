@@ -8,31 +8,36 @@ using timeline::Placed;
 
 std::vector<Freedom> freedom_of(const Scene& scene, const Compiler& compiler) {
   const timeline::Layout& layout = compiler.layout();
-  std::vector<std::uint64_t> drawn(layout.nodes.size() + layout.devices.size(), 0);
-  std::vector<std::uint32_t> threads(layout.nodes.size(), 0), users(layout.devices.size(), 0);
-  std::vector<bool> kernels_on_cores(layout.nodes.size(), false);
+  struct Use {
+    std::uint64_t drawn = 0;    ///< of the memory
+    std::uint32_t threads = 0;  ///< of the node, or the device
+    bool kernels_on_cores = false;
+  };
+  const std::size_t nodes = layout.nodes.size();
+  std::vector<Use> uses(nodes + layout.devices.size());  // numbered as Compiler::memory_of()
   for (const CompiledTask* task : scene.tasks) {
-    ++threads[task->node];
-    drawn[task->node] += task->host_share;
+    ++uses[task->node].threads;
+    uses[task->node].drawn += task->host_share;
     if (task->device == kNone) continue;
-    ++users[task->device];
-    if (layout.devices[task->device].is_host_cpu) kernels_on_cores[task->node] = true;
+    ++uses[nodes + task->device].threads;
+    if (layout.devices[task->device].is_host_cpu) uses[task->node].kernels_on_cores = true;
     const std::uint32_t memory = compiler.memory_of(task->device);
-    if (memory != kNone) drawn[memory] += task->device_share;
+    if (memory != kNone) uses[memory].drawn += task->device_share;
   }
   const auto calm = [&](std::uint32_t memory) {
-    return memory == kNone || drawn[memory] <= timeline::Bandwidth::kWhole;
+    return memory == kNone || uses[memory].drawn <= timeline::Bandwidth::kWhole;
   };
   std::vector<Freedom> all(scene.tasks.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::uint32_t node = scene.tasks[i]->node, device = scene.tasks[i]->device;
     Freedom& free = all[i];
-    free.host = !kernels_on_cores[node] && threads[node] <= layout.nodes[node].cores && calm(node);
+    free.host = !uses[node].kernels_on_cores && uses[node].threads <= layout.nodes[node].cores &&
+                calm(node);
     if (device == kNone || scene.swaps[device]) continue;
     const bool calm_memory = calm(compiler.memory_of(device));
     const bool cpu = layout.devices[device].is_host_cpu;
     free.circuits = calm_memory;
-    free.link = calm_memory && users[device] == 1;
+    free.link = calm_memory && uses[nodes + device].threads == 1;
     free.device = free.link && !cpu;
     free.bursts = cpu || calm_memory;
   }

@@ -7,6 +7,12 @@
 namespace partita::partition {
 namespace {
 
+/// What is posted at time 0 finds its reader awake, as at no later frame.
+bool posts_at_once(const Trace& trace) {
+  return std::any_of(trace.tasks.begin(), trace.tasks.end(),
+                     [](const Trace::Task& task) { return task.end.front() == 0; });
+}
+
 /// Whether the same tasks run on both frames, and do the same.
 bool alike(const Pipeline& pipeline, const std::vector<const TaskWork*>& works, std::size_t a,
            std::size_t b) {
@@ -17,85 +23,6 @@ bool alike(const Pipeline& pipeline, const std::vector<const TaskWork*>& works, 
   }
   return true;
 }
-
-/// Values with how often each occurs; the same figures as distribution() of all of them.
-class Weighted {
- public:
-  void add(Ns value, std::size_t count) { values_.push_back({value, count}); }
-  Distribution distribution() {
-    Distribution d;
-    std::size_t total = 0;
-    double sum = 0;
-    std::sort(values_.begin(), values_.end());
-    for (const auto& [value, count] : values_) {
-      total += count;
-      sum += static_cast<double>(value) * static_cast<double>(count);
-    }
-    if (total == 0) return d;
-    const auto rank = [&](double share) {
-      const auto position =
-          static_cast<std::size_t>(std::max(std::ceil(share * static_cast<double>(total)), 1.0));
-      std::size_t before = 0;
-      for (const auto& [value, count] : values_) {
-        before += count;
-        if (before >= position) return value;
-      }
-      return values_.back().first;
-    };
-    d.mean = sum / static_cast<double>(total);
-    d.p50 = rank(0.50);
-    d.p99 = rank(0.99);
-    d.max = values_.back().first;
-    return d;
-  }
-
- private:
-  std::vector<std::pair<Ns, std::size_t>> values_;
-};
-
-/// Collects the frames that the whole is made of.
-class Sum {
- public:
-  /// `frame`, simulated on an idle machine, occurs as often as `kind` says. False if it is not over
-  /// when the next one begins.
-  bool add(const Scene& frame, const RecallingClock& clock, const Trace& trace,
-           const FrameKind& kind) {
-    const Ns period = frame.pipeline->period_ns;
-    if (clock.horizon() > period || !clock.exact()) return false;
-    if (Repetition::posts_at_once(trace)) return false;
-    Figures figures;
-    count_frames(trace, frame, figures);
-    run_.figures.late += kind.count * figures.late;
-    run_.figures.dropped += kind.count * figures.dropped;
-    run_.figures.dropped_by_tasks += kind.count * figures.dropped_by_tasks;
-    clock.add_consumption(run_.consumption, kind.count);
-    run_.consumption.makespan =
-        std::max(run_.consumption.makespan, kind.last * period + clock.horizon());
-    const Ns end = last_end(trace, frame.pipeline->outputs, 0);
-    const Ns perceived = last_end(trace, frame.pipeline->perception, 0);
-    if (perceived != Trace::kNot) perception_.add(perceived, kind.count);
-    if (end == Trace::kNot) return true;
-    latency_.add(end, kind.count);
-    finished_ += kind.count;
-    first_ = std::min(first_, kind.first * period + end);
-    last_ = std::max(last_, kind.last * period + end);
-    return true;
-  }
-
-  PeriodicRun result() {
-    run_.figures.latency = latency_.distribution();
-    run_.figures.perception = perception_.distribution();
-    run_.figures.throughput_hz = rate_of(finished_, first_, last_);
-    return std::move(run_);
-  }
-
- private:
-  PeriodicRun run_;
-  Weighted latency_, perception_;
-  std::size_t finished_ = 0;
-  Ns first_ = Trace::kNot;  ///< END of the first frame that was finished
-  Ns last_ = 0;
-};
 
 }  // namespace
 
@@ -123,23 +50,93 @@ Cycle cycle_of(const Pipeline& pipeline, const std::vector<const TaskWork*>& wor
   return cycle;
 }
 
-std::optional<PeriodicRun> run_periodic(const Scene& scene, const Cycle& cycle,
-                                        RecallingClock& clock, Trace& trace) {
+Distribution Weighted::distribution() {
+  Distribution d;
+  std::size_t total = 0;
+  double sum = 0;
+  std::sort(values_.begin(), values_.end());
+  for (const auto& [value, count] : values_) {
+    total += count;
+    sum += static_cast<double>(value) * static_cast<double>(count);
+  }
+  if (total == 0) return d;
+  const auto rank = [&](double share) {
+    const auto position =
+        static_cast<std::size_t>(std::max(std::ceil(share * static_cast<double>(total)), 1.0));
+    std::size_t before = 0;
+    for (const auto& [value, count] : values_) {
+      before += count;
+      if (before >= position) return value;
+    }
+    return values_.back().first;
+  };
+  d.mean = sum / static_cast<double>(total);
+  d.p50 = rank(0.50);
+  d.p99 = rank(0.99);
+  d.max = values_.back().first;
+  return d;
+}
+
+void Periodic::clear() {
+  run_.figures = {};
+  Consumption& used = run_.consumption;
+  for (auto* all : {&used.device_busy, &used.node_busy, &used.device_bytes, &used.node_bytes,
+                    &used.link_bytes}) {
+    all->clear();
+  }
+  used.makespan = 0;
+  latency_.clear();
+  perception_.clear();
+  finished_ = 0;
+  first_ = Trace::kNot;
+  last_ = 0;
+}
+
+/// A frame, simulated on an idle machine, occurs as often as `kind` says. False if it is not over
+/// when the next one begins.
+bool Periodic::add(const FrameKind& kind) {
+  frame_.offset = kind.first;
+  clock_.reset(frame_);
+  driver_.run();
+  const Ns period = frame_.pipeline->period_ns, horizon = clock_.horizon();
+  if (horizon > period || !clock_.exact() || posts_at_once(trace_)) return false;
+  Figures figures;
+  count_frames(trace_, frame_, figures);
+  run_.figures.late += kind.count * figures.late;
+  run_.figures.dropped += kind.count * figures.dropped;
+  run_.figures.dropped_by_tasks += kind.count * figures.dropped_by_tasks;
+  clock_.add_consumption(run_.consumption, kind.count);
+  run_.consumption.makespan = std::max(run_.consumption.makespan, kind.last * period + horizon);
+  const Ns end = last_end(trace_, frame_.pipeline->outputs, 0);
+  const Ns perceived = last_end(trace_, frame_.pipeline->perception, 0);
+  if (perceived != Trace::kNot) perception_.add(perceived, kind.count);
+  if (end == Trace::kNot) return true;
+  latency_.add(end, kind.count);
+  finished_ += kind.count;
+  first_ = std::min(first_, kind.first * period + end);
+  last_ = std::max(last_, kind.last * period + end);
+  return true;
+}
+
+void Periodic::finish() {
+  run_.figures.latency = latency_.distribution();
+  run_.figures.perception = perception_.distribution();
+  run_.figures.throughput_hz = rate_of(finished_, first_, last_);
+}
+
+const PeriodicRun* Periodic::run(const Scene& scene, const Cycle& cycle) {
   // Frame by frame costs more a frame; it has to save many.
   if (cycle.length == 0 || (2 * cycle.kinds.size() > cycle.length && cycle.length > 1)) {
-    return std::nullopt;
+    return nullptr;
   }
-  Sum sum;
-  Scene frame = scene;
-  frame.frames = 1;
-  Driver<RecallingClock> driver(frame, clock, trace);
+  clear();
+  frame_ = scene;
+  frame_.frames = 1;
   for (const FrameKind& kind : cycle.kinds) {
-    frame.offset = kind.first;
-    clock.reset(frame);
-    driver.run();
-    if (!sum.add(frame, clock, trace, kind)) return std::nullopt;
+    if (!add(kind)) return nullptr;
   }
-  return sum.result();
+  finish();
+  return &run_;
 }
 
 }  // namespace partita::partition

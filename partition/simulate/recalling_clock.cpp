@@ -67,13 +67,13 @@ void RecallingClock::find_groups() {
     if (!free.circuits && memory != kNone) unite(i, memories + memory);
   }
   // Groups are numbered by their first tasks.
-  std::vector<std::uint32_t> roots;
+  std::uint32_t groups = 0;
   for (std::size_t i = 0; i < threads_.size(); ++i) {
-    const auto known = std::find(roots.begin(), roots.end(), root(i));
-    threads_[i].group = static_cast<std::uint32_t>(known - roots.begin());
-    if (known == roots.end()) roots.push_back(root(i));
+    std::size_t first = 0;
+    while (root(first) != root(i)) ++first;
+    threads_[i].group = first < i ? threads_[first].group : groups++;
   }
-  groups_.resize(roots.size());
+  groups_.resize(groups);
 }
 
 void RecallingClock::add(const AllHeld& held) {

@@ -50,12 +50,6 @@ class Repetition {
     next_ += std::max<std::size_t>(1, cycles / 8) * cycle_ * period();
   }
 
-  /// What is posted at time 0 finds its reader awake, as at no later frame.
-  static bool posts_at_once(const Trace& trace) {
-    return std::any_of(trace.tasks.begin(), trace.tasks.end(),
-                       [](const Trace::Task& task) { return task.end.front() == 0; });
-  }
-
  private:
   /// When a frame is triggered. An idle machine has no words.
   struct Mark {

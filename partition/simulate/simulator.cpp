@@ -45,10 +45,12 @@ class Simulator::Impl {
 
   /// What one simulation needs and the next one can use again.
   struct Scratch {
-    explicit Scratch(const Compiler& compiler) : clock(compiler), recalling(compiler) {}
+    Scratch(const Compiler& compiler, const Pipeline& pipeline)
+        : clock(compiler), recalling(compiler), periodic(pipeline, recalling, trace) {}
     CompiledClock clock;
     RecallingClock recalling;
     Trace trace;
+    Periodic periodic;
     Scene scene;
     /// Where nearly everything is new, as on few placements of a machine whose parts all share one
     /// memory, remembering costs more than it gives: that many placements go without, then one
@@ -56,7 +58,7 @@ class Simulator::Impl {
     std::size_t pause = 0, tried = 0;
   };
 
-  Scene scene(const TaskPlacement& placement) const;
+  void set_scene(const TaskPlacement& placement, Scene& scene) const;
   void check_placement(const TaskPlacement& placement) const;
   double alone_ns(std::uint32_t task, std::uint32_t place) const;
   std::string misfit(const TaskPlacement& placement, std::uint32_t device) const;
@@ -194,7 +196,7 @@ double Simulator::Impl::alone_ns(std::uint32_t task, std::uint32_t place) const 
   const Channels channels{{{kNone, "", 0}}, {{}}, {0}, {{}}};
   const CompiledTask& compiled = compiled_[task][place];
   const std::size_t programs = std::min(compiled.frames.size(), options_.frames);
-  Scratch scratch(compiler_);
+  Scratch scratch(compiler_, pipeline_);
   scratch.scene = {&single, &channels,   programs,
                    0,       {&compiled}, std::vector<bool>(machine_.devices.size(), false)};
   scratch.clock.reset(scratch.scene);
@@ -217,21 +219,19 @@ void Simulator::Impl::check_placement(const TaskPlacement& placement) const {
   if (!valid) throw Error("simulator: a placement that is not of this pipeline and machine");
 }
 
-Scene Simulator::Impl::scene(const TaskPlacement& placement) const {
+void Simulator::Impl::set_scene(const TaskPlacement& placement, Scene& scene) const {
   check_placement(placement);
-  Scene scene;
   scene.pipeline = &pipeline_;
   scene.channels = &channels_;
   scene.frames = options_.frames;
   scene.swaps.assign(machine_.devices.size(), false);
-  scene.tasks.reserve(placement.size());
+  scene.tasks.clear();
   for (std::size_t i = 0; i < placement.size(); ++i) {
     scene.tasks.push_back(&compiled_[i][placement[i]]);
   }
   for (std::uint32_t d = 0; d < machine_.devices.size(); ++d) {
     scene.swaps[d] = options_.allow_swap && !misfit(placement, d).empty();
   }
-  return scene;
 }
 
 /// Why the tasks on an FPGA do not fit it together; empty if they do.
@@ -266,7 +266,7 @@ auto Simulator::Impl::with_scratch(const Use& use) const {
       idle_.pop_back();
     }
   }
-  if (!scratch) scratch = std::make_unique<Scratch>(compiler_);
+  if (!scratch) scratch = std::make_unique<Scratch>(compiler_, pipeline_);
   auto result = use(*scratch);
   const std::lock_guard lock(mutex_);
   idle_.push_back(std::move(scratch));
@@ -286,8 +286,8 @@ Figures Simulator::Impl::recall(Scratch& scratch) const {
   // A bitstream outlives its frame, and its load moves whoever is on the device.
   if (std::find(swaps.begin(), swaps.end(), true) != swaps.end()) return simulate(scratch);
   RecallingClock& clock = scratch.recalling;
-  if (auto run = run_periodic(scratch.scene, cycle_, clock, scratch.trace)) {
-    return priced(scratch, std::move(run->figures), run->consumption);
+  if (const PeriodicRun* run = scratch.periodic.run(scratch.scene, cycle_)) {
+    return priced(scratch, run->figures, run->consumption);
   }
   if (scratch.pause > 0) {
     --scratch.pause;
@@ -390,19 +390,21 @@ profile::Area Simulator::area(const TaskPlacement& placement, std::uint32_t devi
 }
 
 double Simulator::price(const TaskPlacement& placement) const {
-  return price_of(parts_of(impl_->scene(placement), impl_->machine_), impl_->machine_);
+  Scene scene;
+  impl_->set_scene(placement, scene);
+  return price_of(parts_of(scene, impl_->machine_), impl_->machine_);
 }
 
 Figures Simulator::quick(const TaskPlacement& placement) const {
   return impl_->with_scratch([&](Impl::Scratch& scratch) {
-    scratch.scene = impl_->scene(placement);
+    impl_->set_scene(placement, scratch.scene);
     return impl_->recall(scratch);
   });
 }
 
 Figures Simulator::run(const TaskPlacement& placement) const {
   return impl_->with_scratch([&](Impl::Scratch& scratch) {
-    scratch.scene = impl_->scene(placement);
+    impl_->set_scene(placement, scratch.scene);
     Figures figures = impl_->simulate(scratch);
     add_details(scratch.trace, scratch.scene, figures);
     for (std::size_t i = 0; i < figures.tasks.size(); ++i) {
@@ -414,7 +416,8 @@ Figures Simulator::run(const TaskPlacement& placement) const {
 }
 
 Reference Simulator::reference(const TaskPlacement& placement) const {
-  const Scene scene = impl_->scene(placement);
+  Scene scene;
+  impl_->set_scene(placement, scene);
   ReferenceRun run = run_reference(scene, impl_->compiler_);
   const Parts parts = parts_of(scene, impl_->machine_);
   Figures figures = figures_of(run.trace, scene);
