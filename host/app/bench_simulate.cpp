@@ -115,16 +115,22 @@ double rate(const Placements& placements, int rounds, const Fresh& fresh,
   return rates[static_cast<std::size_t>(rounds) / 2];
 }
 
-/// Those whose frames are each over before the next one is triggered.
-Placements apart(const partition::Simulator& simulator, const Placements& placements) {
-  Placements found;
+/// Of all placements those that drop nothing, and of them those whose frames are each over before
+/// the next one is triggered.
+struct Periodic {
+  Placements complete, apart;
+};
+Periodic periodic(const partition::Simulator& simulator, const Placements& placements) {
+  Periodic found;
   for (const TaskPlacement& placement : placements) {
     const partition::Figures figures = simulator.run(placement);
-    const bool over = std::all_of(
-        figures.tasks.begin(), figures.tasks.end(), [&](const partition::TaskFigures& task) {
-          return task.dropped == 0 && task.latency.max <= simulator.pipeline().period_ns;
-        });
-    if (over) found.push_back(placement);
+    if (figures.dropped_by_tasks > 0) continue;
+    found.complete.push_back(placement);
+    const bool over = std::all_of(figures.tasks.begin(), figures.tasks.end(),
+                                  [&](const partition::TaskFigures& task) {
+                                    return task.latency.max <= simulator.pipeline().period_ns;
+                                  });
+    if (over) found.apart.push_back(placement);
   }
   return found;
 }
@@ -145,7 +151,7 @@ Json measure(const profile::Machine& machine, const partition::Pipeline& pipelin
   if (all.empty()) {
     throw Error(fmt::format("bench: no placement is feasible on machine '{}'", machine.id));
   }
-  const Placements over = apart(alike(), all);
+  const Periodic periodic = app::periodic(alike(), all);
   const auto every = [](const partition::Simulator& s, const TaskPlacement& p) { s.run(p); };
   const auto quick = [](const partition::Simulator& s, const TaskPlacement& p) { s.quick(p); };
   const auto measured = [&](const Placements& placements, const auto& fresh, const auto& how) {
@@ -157,8 +163,10 @@ Json measure(const profile::Machine& machine, const partition::Pipeline& pipelin
           {"jitter_per_s", measured(all, with_jitter, quick)},
           {"jitter_twice_as_long_per_s", measured(all, twice_as_long, quick)},
           {"alike_per_s", measured(all, alike, quick)},
-          {"placements_apart", over.size()},
-          {"alike_apart_per_s", measured(over, alike, quick)}};
+          {"placements_complete", periodic.complete.size()},
+          {"alike_complete_per_s", measured(periodic.complete, alike, quick)},
+          {"placements_apart", periodic.apart.size()},
+          {"alike_apart_per_s", measured(periodic.apart, alike, quick)}};
 }
 
 int simulate(const SimulateOptions& options, const Console& console) {
@@ -174,13 +182,13 @@ int simulate(const SimulateOptions& options, const Console& console) {
       "over all feasible ones after one to warm up. Every command: all of all frames simulated, "
       "with counts that scatter by 20 % over 30 frames. The others as the search does, each pass "
       "by a simulator that remembers nothing before it: with the same jitter, over twice the "
-      "frames, without jitter, and of that those placements only whose frames are each over "
-      "before the next one",
+      "frames, without jitter (alike), of that those placements only that drop nothing "
+      "(periodic), and of those the ones whose frames are each over before the next one (apart)",
       pipeline.id, options.frames, options.rounds);
   document["processor"] = processor();
   document["cores"] = std::thread::hardware_concurrency();
   Table table({"machine", "placements", "every command, 1/s", "jitter", "twice the frames", "alike",
-               "alike, apart", "of them"});
+               "periodic", "of them", "apart", "of them"});
   ProgressBar bar(console, "bench simulate", names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json row = measure(profile::load_machine(names[i], places().profiles), pipeline, options);
@@ -190,6 +198,8 @@ int simulate(const SimulateOptions& options, const Console& console) {
     table.add({row["machine"], std::to_string(row["placements"].get<std::size_t>()),
                shown("every_frame_per_s"), shown("jitter_per_s"),
                shown("jitter_twice_as_long_per_s"), shown("alike_per_s"),
+               shown("alike_complete_per_s"),
+               std::to_string(row["placements_complete"].get<std::size_t>()),
                shown("alike_apart_per_s"),
                std::to_string(row["placements_apart"].get<std::size_t>())});
     document["measured"].push_back(row);
