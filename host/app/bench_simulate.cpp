@@ -195,13 +195,12 @@ int simulate(const SimulateOptions& options, const Console& console) {
     const auto shown = [&row](const char* key) {
       return row[key].is_null() ? "-" : fmt::format("{:.0f}", row[key].get<double>());
     };
-    table.add({row["machine"], std::to_string(row["placements"].get<std::size_t>()),
-               shown("every_frame_per_s"), shown("jitter_per_s"),
-               shown("jitter_twice_as_long_per_s"), shown("alike_per_s"),
-               shown("alike_complete_per_s"),
-               std::to_string(row["placements_complete"].get<std::size_t>()),
-               shown("alike_apart_per_s"),
-               std::to_string(row["placements_apart"].get<std::size_t>())});
+    table.add(
+        {row["machine"], std::to_string(row["placements"].get<std::size_t>()),
+         shown("every_frame_per_s"), shown("jitter_per_s"), shown("jitter_twice_as_long_per_s"),
+         shown("alike_per_s"), shown("alike_complete_per_s"),
+         std::to_string(row["placements_complete"].get<std::size_t>()), shown("alike_apart_per_s"),
+         std::to_string(row["placements_apart"].get<std::size_t>())});
     document["measured"].push_back(row);
     bar.update(i + 1);
   }

@@ -48,7 +48,10 @@ class Periodic {
  public:
   /// `clock` and `trace` are scratch. All must outlive it.
   Periodic(const Pipeline& pipeline, RecallingClock& clock, Trace& trace)
-      : clock_(clock), trace_(trace), frame_{.pipeline = &pipeline}, driver_(frame_, clock, trace) {}
+      : clock_(clock),
+        trace_(trace),
+        frame_{.pipeline = &pipeline},
+        driver_(frame_, clock, trace) {}
 
   /// Nothing if a frame reaches into the next, or hardly any are alike. Until the next call.
   const PeriodicRun* run(const Scene& scene, const Cycle& cycle);
