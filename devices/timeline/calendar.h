@@ -42,11 +42,12 @@ class BusyTimes {
   void clear();
   /// Nothing may start before `time` any more.
   void close_before(Ns time);
-
- private:
   struct Interval {
     Ns start, end;
   };
+  const std::vector<Interval>& all() const { return busy_; }
+
+ private:
   Ns first_gap(Ns start, Ns duration) const;
   void insert(Ns start, Ns end);
   std::vector<Interval>::const_iterator first_ending_after(Ns time) const;
@@ -75,12 +76,13 @@ class Bandwidth {
   bool idle_from(Ns time) const { return steps_.empty() || time >= steps_.back().from; }
   /// Used share at a time.
   std::uint32_t used(Ns time) const;
-
- private:
   struct Step {
     Ns from;
     std::uint32_t used;  ///< until the next step; the last one is 0 for ever
   };
+  const std::vector<Step>& all() const { return steps_; }
+
+ private:
   Ns stretched(Ns start, Ns busy, std::uint32_t share) const;
   std::size_t step_at(Ns time) const;  ///< index of the step that holds `time`; steps not empty
   std::size_t split(Ns time);          ///< makes a step begin at `time`

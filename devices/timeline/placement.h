@@ -75,6 +75,15 @@ class Placement {
   static Ns duration_of(std::uint64_t bytes, std::uint64_t bps);
   /// Everything free again.
   void clear();
+  /// What is taken from `from` on, in times since then: equal words, equal future.
+  struct Taken {
+    std::vector<Ns> words;
+    Ns until = 0;     ///< nothing is from then on
+    bool all = true;  ///< no calendar holds so much that its older half may be closed (kMaxGaps)
+  };
+  Taken save(Ns from) const;
+  /// Everything free again but what was saved, `from` being `at` now.
+  void restore(std::span<const Ns> words, Ns at = 0);
 
  private:
   struct Circuit {

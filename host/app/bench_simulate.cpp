@@ -79,19 +79,23 @@ std::vector<TaskPlacement> feasible_placements(const partition::Simulator& simul
   return placements;
 }
 
+using Placements = std::vector<TaskPlacement>;
+
 /// Placements per second: median over rounds, each of as many passes over all placements as take a
-/// while, after one to warm up.
-template <typename Simulate>
-double rate(const std::vector<TaskPlacement>& placements, int rounds, const Simulate& simulate) {
+/// while, after one to warm up. What a pass begins with is made by `fresh` beside the clock.
+template <typename Fresh, typename Simulate>
+double rate(const Placements& placements, int rounds, const Fresh& fresh,
+            const Simulate& simulate) {
   constexpr double kLeastSeconds = 0.1;
   std::vector<double> rates;
   for (int round = 0; round <= rounds; ++round) {
-    const std::uint64_t start = wall_now();
     double seconds = 0, simulated = 0;
     while (seconds < kLeastSeconds) {
-      for (const TaskPlacement& placement : placements) simulate(placement);
+      auto simulator = fresh();
+      const std::uint64_t start = wall_now();
+      for (const TaskPlacement& placement : placements) simulate(simulator, placement);
+      seconds += static_cast<double>(wall_now() - start) * 1e-9;
       simulated += static_cast<double>(placements.size());
-      seconds = static_cast<double>(wall_now() - start) * 1e-9;
     }
     if (round > 0) rates.push_back(simulated / seconds);
   }
@@ -99,28 +103,58 @@ double rate(const std::vector<TaskPlacement>& placements, int rounds, const Simu
   return rates[static_cast<std::size_t>(rounds) / 2];
 }
 
+/// Of all placements those that drop nothing, and of them those whose frames are each over before
+/// the next one is triggered.
+struct Periodic {
+  Placements complete, apart;
+};
+Periodic periodic(const partition::Simulator& simulator, const Placements& placements) {
+  Periodic found;
+  for (const TaskPlacement& placement : placements) {
+    const partition::Figures figures = simulator.run(placement);
+    if (figures.dropped_by_tasks > 0) continue;
+    found.complete.push_back(placement);
+    const bool over = std::all_of(figures.tasks.begin(), figures.tasks.end(),
+                                  [&](const partition::TaskFigures& task) {
+                                    return task.latency.max <= simulator.pipeline().period_ns;
+                                  });
+    if (over) found.apart.push_back(placement);
+  }
+  return found;
+}
+
 Json measure(const profile::Machine& machine, const partition::Pipeline& pipeline,
              const SimulateOptions& options) {
   const partition::Workload jitter = recorded_workload(pipeline, scattered_counts(pipeline));
   const partition::Workload typical = typical_workload(pipeline);
-  partition::SimulatorOptions simulation;
-  simulation.frames = options.frames;
-  const partition::Simulator with_jitter(machine, pipeline, jitter, simulation);
-  const partition::Simulator alike(machine, pipeline, typical, simulation);
-  const std::vector<TaskPlacement> placements = feasible_placements(alike);
-  if (placements.empty()) {
+  const auto simulator = [&](const partition::Workload& workload, std::size_t frames) {
+    partition::SimulatorOptions simulation;
+    simulation.frames = frames;
+    return partition::Simulator(machine, pipeline, workload, simulation);
+  };
+  const auto alike = [&] { return simulator(typical, options.frames); };
+  const auto with_jitter = [&] { return simulator(jitter, options.frames); };
+  const auto twice_as_long = [&] { return simulator(jitter, 2 * options.frames); };
+  const Placements all = feasible_placements(alike());
+  if (all.empty()) {
     throw Error(fmt::format("bench: no placement is feasible on machine '{}'", machine.id));
   }
-  const int rounds = options.rounds;
-  const auto quick = [](const partition::Simulator& simulator) {
-    return [&simulator](const TaskPlacement& p) { simulator.quick(p); };
+  const Periodic periodic = app::periodic(alike(), all);
+  const auto every = [](const partition::Simulator& s, const TaskPlacement& p) { s.run(p); };
+  const auto quick = [](const partition::Simulator& s, const TaskPlacement& p) { s.quick(p); };
+  const auto measured = [&](const Placements& placements, const auto& fresh, const auto& how) {
+    return placements.empty() ? Json() : Json(rate(placements, options.rounds, fresh, how));
   };
-  const auto every_frame = [&](const TaskPlacement& p) { with_jitter.run(p); };
   return {{"machine", machine.id},
-          {"placements", placements.size()},
-          {"every_frame_per_s", rate(placements, rounds, every_frame)},
-          {"jitter_per_s", rate(placements, rounds, quick(with_jitter))},
-          {"alike_per_s", rate(placements, rounds, quick(alike))}};
+          {"placements", all.size()},
+          {"every_frame_per_s", measured(all, with_jitter, every)},
+          {"jitter_per_s", measured(all, with_jitter, quick)},
+          {"jitter_twice_as_long_per_s", measured(all, twice_as_long, quick)},
+          {"alike_per_s", measured(all, alike, quick)},
+          {"placements_complete", periodic.complete.size()},
+          {"alike_complete_per_s", measured(periodic.complete, alike, quick)},
+          {"placements_apart", periodic.apart.size()},
+          {"alike_apart_per_s", measured(periodic.apart, alike, quick)}};
 }
 
 int simulate(const SimulateOptions& options, const Console& console) {
@@ -133,23 +167,28 @@ int simulate(const SimulateOptions& options, const Console& console) {
   Json document;
   document["what"] = fmt::format(
       "placements of pipeline {} per second of one thread, {} frames each, median of {} rounds "
-      "over "
-      "all feasible ones after one to warm up; every frame simulated, or as the search does, which "
-      "leaves out frames that repeat; with counts that scatter by 20 % over 30 frames, or all "
-      "alike",
+      "over all feasible ones after one to warm up. Every command: all of all frames simulated, "
+      "with counts that scatter by 20 % over 30 frames. The others as the search does, each pass "
+      "by a simulator that remembers nothing before it: with the same jitter, over twice the "
+      "frames, without jitter (alike), of that those placements only that drop nothing "
+      "(periodic), and of those the ones whose frames are each over before the next one (apart)",
       pipeline.id, options.frames, options.rounds);
   document["processor"] = processor();
   document["cores"] = std::thread::hardware_concurrency();
-  Table table(
-      {"machine", "placements", "every frame, 1/s", "search, jitter, 1/s", "search, alike, 1/s"});
+  Table table({"machine", "placements", "every command, 1/s", "jitter", "twice the frames", "alike",
+               "periodic", "of them", "apart", "of them"});
   ProgressBar bar(console, "bench simulate", names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json row = measure(profile::load_machine(names[i], places().profiles), pipeline, options);
     const auto shown = [&row](const char* key) {
-      return fmt::format("{:.0f}", row[key].get<double>());
+      return row[key].is_null() ? "-" : fmt::format("{:.0f}", row[key].get<double>());
     };
-    table.add({row["machine"], std::to_string(row["placements"].get<std::size_t>()),
-               shown("every_frame_per_s"), shown("jitter_per_s"), shown("alike_per_s")});
+    table.add(
+        {row["machine"], std::to_string(row["placements"].get<std::size_t>()),
+         shown("every_frame_per_s"), shown("jitter_per_s"), shown("jitter_twice_as_long_per_s"),
+         shown("alike_per_s"), shown("alike_complete_per_s"),
+         std::to_string(row["placements_complete"].get<std::size_t>()), shown("alike_apart_per_s"),
+         std::to_string(row["placements_apart"].get<std::size_t>())});
     document["measured"].push_back(row);
     bar.update(i + 1);
   }

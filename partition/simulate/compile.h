@@ -82,7 +82,9 @@ struct CompiledTask {
   /// step beside it. A device's memory is its node's where they share one.
   std::uint32_t device_share = 0, host_share = 0;
 
-  const CompiledFrame& frame(std::size_t k) const { return frames[k % frames.size()]; }
+  const CompiledFrame& frame(std::size_t k) const {
+    return frames[frames.size() == 1 ? 0 : k % frames.size()];
+  }
 };
 
 /// An engine as far as accounting goes: whose power it draws. Cores of a node count together.

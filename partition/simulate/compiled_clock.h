@@ -1,90 +1,61 @@
-// CompiledClock: the timeline's rules for in-order queues and host threads, without its records,
-// events and checks. Where no other task can use an engine, and all that draw from its memory
-// together cannot exceed its bandwidth, a command's times follow from its queue alone, and no
-// calendar is asked. Inside the partitioner only.
+// CompiledClock: the timeline's rules for host threads and messages, command by command, without
+// its records. Inside the partitioner only.
 #ifndef PARTITA_PARTITION_SIMULATE_COMPILED_CLOCK_H
 #define PARTITA_PARTITION_SIMULATE_COMPILED_CLOCK_H
 
-#include <vector>
-
 #include "partition/simulate/figures.h"
+#include "partition/simulate/host_threads.h"
+#include "partition/simulate/messages.h"
 
 namespace partita::partition {
 
 class CompiledClock {
  public:
+  static constexpr bool kLooksAhead = false;
+  static constexpr bool moved_others() { return false; }
+
   /// `compiler` must outlive it. One clock serves many placements, one after the other.
-  explicit CompiledClock(const Compiler& compiler);
+  explicit CompiledClock(const Compiler& compiler)
+      : compiler_(compiler), threads_(compiler), messages_(compiler) {}
 
   /// Everything is free again, for the scene's tasks at their places.
   void reset(const Scene& scene);
 
   Ns now(std::uint32_t i) const { return threads_[i].clock; }
-  Ns wakeup_ns(std::uint32_t i) const { return threads_[i].node_wakeup; }
+  Ns wakeup_ns(std::uint32_t i) const { return node_wakeup_[i]; }
   void wait_until(std::uint32_t i, Ns time) {
     threads_[i].clock = std::max(threads_[i].clock, time);
   }
-  void sensor(std::uint32_t i, std::size_t frame);
-  void message(std::uint32_t i, std::uint32_t input, std::size_t frame);
-  void load(std::uint32_t i);
-  std::size_t steps(std::uint32_t i, std::size_t frame, const CompiledFrame& program,
-                    std::size_t first, Ns until);
+  void sensor(std::uint32_t i, std::size_t frame) { wait_for(i, messages_.sensor(i, frame)); }
+  void message(std::uint32_t i, std::uint32_t input, std::size_t frame) {
+    wait_for(i, messages_.message(i, input, frame));
+  }
+  void load(std::uint32_t i) { threads_.load(i); }
+  std::size_t steps(std::uint32_t i, std::size_t, const CompiledFrame& program, std::size_t first,
+                    Ns until) {
+    return threads_.steps(i, program, first, until);
+  }
   Ns post(std::uint32_t i, std::size_t frame);
 
   /// The latest END or host clock.
   Ns horizon() const;
-  /// Time that engines were held: of those with a calendar, by the calendars' own numbering, and
-  /// beside it, by the compiler's slots. An engine's time is the sum of both.
-  const timeline::Placement& calendars() const { return placement_; }
-  const std::vector<Ns>& held_by_slot() const { return held_; }
-  /// What the frames of the trace, which this clock has just driven, have consumed.
-  Consumption consumption(const Trace& trace) const;
+  const HostThreads& threads() const { return threads_; }
+  const Messages& messages() const { return messages_; }
+  /// What the frames that this clock has just driven have consumed.
+  Consumption consumption() const;
 
  private:
-  struct Thread {
-    const CompiledTask* task = nullptr;
-    Ns clock = 0;
-    Ns queue_end = 0;  ///< latest END of its in-order queue
-    Ns node_wakeup = 0;
-    bool host_free = false;      ///< there is always a core and bandwidth for its host steps
-    bool device_free = false;    ///< all engines of its device are its own, link and circuits too
-    bool circuits_free = false;  ///< its circuits are its own
-    bool link_free = false;      ///< the device's link is its own
-    bool bursts = false;  ///< its device's memory makes nobody wait, or is the calendars' own
-  };
-  void block(Thread& t, Ns end) {
-    t.clock += t.task->api_ns;
-    if (end > t.clock) t.clock = end + t.task->wakeup_ns;
+  /// Who waits for a message pays for waking up.
+  void wait_for(std::uint32_t i, Ns end) {
+    if (end > threads_[i].clock) threads_[i].clock = end + node_wakeup_[i];
   }
-  void find_free();
-  void step(Thread& t, const Op& op);
-  std::size_t burst(Thread& t, const CompiledFrame& program, std::size_t first, Ns until);
-  /// Whether nobody can notice when it runs: no need to take turns.
-  static bool undisturbed(const Thread& t, const Op& op) {
-    switch (op.type) {
-      case OpType::finish:
-        return true;
-      case OpType::host:
-        return t.host_free;
-      case OpType::kernel:
-      case OpType::copy:
-        return op.own_engine ? t.circuits_free : t.device_free;
-      default:
-        return t.link_free;
-    }
-  }
-  timeline::Placed placed(const Thread& t, const Op& op, Ns ready);
-  void deliver(std::uint32_t i, std::uint32_t channel, std::size_t frame, std::uint32_t home,
-               Ns posted);
 
   const Compiler& compiler_;
-  timeline::Placement placement_;
+  HostThreads threads_;
+  Messages messages_;
   const Scene* scene_ = nullptr;
-  std::vector<Thread> threads_;
-  std::vector<Ns> posts_;      ///< by task and frame
-  std::vector<Ns> delivered_;  ///< by channel, node and frame; kNot: not sent yet
-  std::vector<Ns> held_;       ///< by slot, what no calendar knows
-  std::vector<std::uint64_t> link_bytes_;
+  std::vector<Ns> node_wakeup_;                           ///< by task
+  std::vector<std::uint64_t> device_bytes_, node_bytes_;  ///< of what was posted
 };
 
 }  // namespace partita::partition

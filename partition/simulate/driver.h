@@ -13,30 +13,21 @@
 //                                    operation `first` of its program and, as long as its clock is
 //                                    below `until` or nobody can notice, more; returns how many
 //   Ns post(i, frame)                what it made of a frame is there, now
+//   bool moved_others()              steps() or post() has changed clocks of other tasks since
+//   kLooksAhead                      steps() does the last operation when the turn after it has
+//   come
 #ifndef PARTITA_PARTITION_SIMULATE_DRIVER_H
 #define PARTITA_PARTITION_SIMULATE_DRIVER_H
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "partition/simulate/compile.h"
+#include "partition/simulate/actor.h"
 
 namespace partita::partition {
-
-/// When each task did each frame. A frame that a task does not do has no times.
-struct Trace {
-  static constexpr Ns kNot = std::numeric_limits<Ns>::max();
-  struct Task {
-    std::vector<Ns> start, end;  ///< by frame: inputs there, outputs posted
-    std::vector<Ns> gone;        ///< by frame: when it was dropped
-    std::size_t dropped = 0;
-  };
-  std::vector<Task> tasks;
-};
 
 /// What passes between tasks, or from the sensors to them: sent to a node once, whoever wants it.
 struct Channel {
@@ -61,31 +52,34 @@ struct Scene {
   std::vector<bool> swaps;                 ///< by device: tasks take turns with their bitstreams
 
   bool runs(std::uint32_t task, std::size_t frame) const {
-    return (frame + offset) % pipeline->tasks[task].every == 0;
+    const std::uint32_t every = pipeline->tasks[task].every;
+    return every == 1 || static_cast<std::uint32_t>(frame + offset) % every == 0;
   }
 };
 
-template <typename Clock>
+/// Simulates everything.
+struct NoRepeats {
+  static constexpr Ns due() { return Trace::kNot; }
+  template <typename Clock>
+  static void look(std::vector<Actor>&, Clock&, Trace&) {}
+};
+
+template <typename Clock, typename Repeats = NoRepeats>
 class Driver {
  public:
-  Driver(const Scene& scene, Clock& clock, Trace& trace)
-      : scene_(scene), clock_(clock), trace_(trace), tasks_(scene.pipeline->tasks) {
-    actors_.resize(tasks_.size());
-    turns_.resize(scene.swaps.size());
-    for (std::uint32_t i = 0; i < tasks_.size(); ++i) {
-      while (actors_[i].next < scene.frames && !scene.runs(i, actors_[i].next)) ++actors_[i].next;
-    }
-    trace_.tasks.resize(tasks_.size());
-    for (auto& task : trace_.tasks) {
-      task.start.assign(scene.frames, Trace::kNot);
-      task.end.assign(scene.frames, Trace::kNot);
-      task.gone.assign(scene.frames, Trace::kNot);
-      task.dropped = 0;
-    }
-  }
+  /// `Repeats` may leave out what comes again: see repetition.h.
+  Driver(const Scene& scene, Clock& clock, Trace& trace, Repeats* repeats = nullptr)
+      : scene_(scene),
+        clock_(clock),
+        trace_(trace),
+        repeats_(repeats),
+        tasks_(scene.pipeline->tasks) {}
 
+  /// From the start, on a clock that has been reset. May be called again.
   void run() {
+    reset();
     for (std::uint32_t i = pick(); i != kNone; i = pick()) {
+      if (clock_.now(i) >= due()) repeats_->look(actors_, clock_, trace_);
       Actor& actor = actors_[i];
       do {
         act(i, actor);
@@ -97,48 +91,49 @@ class Driver {
   }
 
  private:
-  enum class State : std::uint8_t { ready, blocked, done };
-  enum class Stage : std::uint8_t { take, trigger, sense, inputs, turn, steps };
+  using State = Actor::State;
+  using Stage = Actor::Stage;
   enum class Message : std::uint8_t { not_due, undecided, dropped, there };
 
-  struct Actor {
-    State state = State::ready;
-    Stage stage = Stage::take;
-    std::size_t next = 0;     ///< first frame that has not been looked at yet
-    std::size_t frame = 0;    ///< in work
-    std::size_t decided = 0;  ///< frames below are posted, or will never be
-    std::uint32_t input = 0;
-    bool any = false;  ///< an input of this frame has come
-    std::size_t op = 0;
-    const CompiledFrame* program = nullptr;
-    std::vector<std::size_t> queue;  ///< frames that wait; a handful at most
-  };
   /// Whose bitstream an FPGA has.
   struct Turn {
     std::uint32_t holder = kNone, last = kNone;
     Ns released = 0;
   };
 
-  /// The ready task with the smallest clock, the first of equal ones; kNone: none is left.
-  std::uint32_t pick() {
-    woken_ = false;
-    other_ = kNone;
-    std::uint32_t first = kNone;
-    Ns least = Trace::kNot;
-    others_ = Trace::kNot;
-    for (std::uint32_t i = 0; i < actors_.size(); ++i) {
-      if (actors_[i].state != State::ready) continue;
-      const Ns now = clock_.now(i);
-      if (first == kNone || now < least) {
-        others_ = least;
-        other_ = first;
-        first = i;
-        least = now;
-      } else if (now < others_) {
-        others_ = now;
-        other_ = i;
+  void reset() {
+    actors_.resize(tasks_.size());
+    turns_.assign(scene_.swaps.size(), {});
+    trace_.tasks.resize(tasks_.size());
+    for (std::uint32_t i = 0; i < tasks_.size(); ++i) {
+      Actor& actor = actors_[i];
+      actor.reset();
+      while (actor.next < scene_.frames && !scene_.runs(i, actor.next)) ++actor.next;
+      Trace::Task& task = trace_.tasks[i];
+      for (auto* times : {&task.start, &task.end, &task.gone}) {
+        times->assign(scene_.frames, Trace::kNot);
       }
+      task.dropped = 0;
     }
+  }
+
+  /// The ready task with the smallest clock, the first of equal ones; kNone: none is left. Without
+  /// branches, since nobody can foretell them: with all bits set, a clock is kNot.
+  std::uint32_t pick() {
+    std::uint32_t first = kNone, second = kNone;
+    Ns least = Trace::kNot, next = Trace::kNot;
+    const auto count = static_cast<std::uint32_t>(actors_.size());
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Ns now = clock_.now(i) | (Ns{0} - Ns{actors_[i].state != State::ready});
+      const bool is_first = now < least, is_second = now < next;
+      next = is_first ? least : is_second ? now : next;
+      second = is_first ? first : is_second ? i : second;
+      least = is_first ? now : least;
+      first = is_first ? i : first;
+    }
+    woken_ = false;
+    others_ = next;
+    other_ = second;
     return first;
   }
 
@@ -147,8 +142,9 @@ class Driver {
   /// Below this clock it is the turn of task i.
   Ns until(std::uint32_t i) const {
     if (woken_) return 0;
-    return others_ + (i < other_ && others_ != Trace::kNot ? 1 : 0);
+    return std::min(due(), others_ + (i < other_ && others_ != Trace::kNot ? 1 : 0));
   }
+  Ns due() const { return repeats_ != nullptr ? repeats_->due() : Trace::kNot; }
 
   void act(std::uint32_t i, Actor& actor) {
     switch (actor.stage) {
@@ -165,10 +161,15 @@ class Driver {
       case Stage::inputs:
         return receive(i, actor);
       case Stage::turn:
-        return begin(i, actor);
+        begin(i, actor);
+        if (actor.state != State::ready || !goes_on(i)) return;
+        [[fallthrough]];
       case Stage::steps:
         if (actor.op == actor.program->ops.size()) return post(i, actor);
         actor.op += clock_.steps(i, actor.frame, *actor.program, actor.op, until(i));
+        // Of a clock that looks ahead, a program is over when its turn to be over has come.
+        if (Clock::kLooksAhead && actor.op == actor.program->ops.size()) post(i, actor);
+        if (clock_.moved_others()) woken_ = true;
         return;
     }
   }
@@ -312,6 +313,7 @@ class Driver {
 
   void post(std::uint32_t i, Actor& actor) {
     trace_.tasks[i].end[actor.frame] = clock_.post(i, actor.frame);
+    if (clock_.moved_others()) woken_ = true;
     const std::uint32_t device = scene_.tasks[i]->device;
     if (device != kNone && scene_.swaps[device]) {
       turns_[device].holder = kNone;
@@ -345,6 +347,7 @@ class Driver {
   const Scene& scene_;
   Clock& clock_;
   Trace& trace_;
+  Repeats* repeats_;
   const std::vector<PipelineTask>& tasks_;
   std::vector<Actor> actors_;
   std::vector<Turn> turns_;

@@ -111,6 +111,25 @@ double price_of(const Parts& parts, const profile::Machine& machine) {
   return price;
 }
 
+void add(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& more,
+         std::size_t times) {
+  sum.resize(std::max(sum.size(), more.size()), 0);
+  for (std::size_t i = 0; i < more.size(); ++i) sum[i] += times * more[i];
+}
+
+void add(Consumption& sum, const Consumption& more, std::size_t times) {
+  add(sum.device_busy, more.device_busy, times);
+  add(sum.node_busy, more.node_busy, times);
+  add(sum.device_bytes, more.device_bytes, times);
+  add(sum.node_bytes, more.node_bytes, times);
+  add(sum.link_bytes, more.link_bytes, times);
+}
+
+Consumption difference(Consumption whole, const Consumption& part) {
+  add(whole, part, std::size_t{0} - 1);  // unsigned: times -1
+  return whole;
+}
+
 double joules(const Consumption& c, const Parts& parts, const profile::Machine& machine) {
   const double length = static_cast<double>(c.makespan) * 1e-9;
   double sum = 0;
@@ -164,13 +183,17 @@ std::vector<EngineUse> EngineUses::by_share(Ns makespan) const {
 
 Figures figures_of(const Trace& trace, const Scene& scene) {
   Figures figures;
-  const std::vector<std::uint32_t>& outputs = scene.pipeline->outputs;
-  figures.latency = latencies(trace, scene, outputs);
+  figures.latency = latencies(trace, scene, scene.pipeline->outputs);
   figures.perception = latencies(trace, scene, scene.pipeline->perception);
-  figures.throughput_hz = rate(trace, scene, outputs);
+  figures.throughput_hz = rate(trace, scene, scene.pipeline->outputs);
+  count_frames(trace, scene, figures);
+  return figures;
+}
+
+void count_frames(const Trace& trace, const Scene& scene, Figures& figures) {
   for (std::size_t k = 0; k < scene.frames; ++k) {
     bool late = false, dropped = false;
-    for (const std::uint32_t task : outputs) {
+    for (const std::uint32_t task : scene.pipeline->outputs) {
       if (!scene.runs(task, k)) continue;
       const Ns end = trace.tasks[task].end[k];
       dropped = dropped || end == Trace::kNot;
@@ -180,7 +203,6 @@ Figures figures_of(const Trace& trace, const Scene& scene) {
     figures.dropped += dropped ? 1 : 0;
   }
   for (const Trace::Task& task : trace.tasks) figures.dropped_by_tasks += task.dropped;
-  return figures;
 }
 
 void add_details(const Trace& trace, const Scene& scene, Figures& figures) {

@@ -23,6 +23,11 @@ struct Consumption {
   std::vector<std::uint64_t> device_bytes, node_bytes, link_bytes;
   Ns makespan = 0;
 };
+void add(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& more,
+         std::size_t times);
+/// All but the makespan.
+void add(Consumption& sum, const Consumption& more, std::size_t times);
+Consumption difference(Consumption whole, const Consumption& part);
 /// By the formulas of docs/predicted-clock.md, of the parts used.
 double joules(const Consumption& consumption, const Parts& parts, const profile::Machine& machine);
 
@@ -46,6 +51,8 @@ Ns last_end(const Trace& trace, const std::vector<std::uint32_t>& tasks, std::si
 /// Per second, of `count` frames that were finished between two times; 0 for fewer than two.
 double rate_of(std::size_t count, Ns first, Ns last);
 
+/// Late and dropped frames.
+void count_frames(const Trace& trace, const Scene& scene, Figures& figures);
 /// Latencies, rate, lateness and drops: what a search compares, besides what follows.
 Figures figures_of(const Trace& trace, const Scene& scene);
 void set_energy(Figures& figures, const Scene& scene, double joules, Ns makespan);

@@ -27,6 +27,9 @@ CommandKind kind_of(OpType type) {
 /// What Driver wants of a clock, on the real Timeline.
 class TimelineClock {
  public:
+  static constexpr bool kLooksAhead = false;
+  static constexpr bool moved_others() { return false; }
+
   TimelineClock(const Scene& scene, const Compiler& compiler)
       : scene_(scene), compiler_(compiler), timeline_(compiler.layout()) {
     for (const std::string& name : compiler.names()) names_.push_back(timeline_.intern(name));

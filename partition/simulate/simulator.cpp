@@ -45,20 +45,27 @@ class Simulator::Impl {
 
   /// What one simulation needs and the next one can use again.
   struct Scratch {
-    explicit Scratch(const Compiler& compiler) : clock(compiler) {}
+    Scratch(const Compiler& compiler, const Pipeline& pipeline)
+        : clock(compiler), recalling(compiler), periodic(pipeline, recalling, trace) {}
     CompiledClock clock;
+    RecallingClock recalling;
     Trace trace;
+    Periodic periodic;
     Scene scene;
+    /// Where nearly everything is new, as on few placements of a machine whose parts all share one
+    /// memory, remembering costs more than it gives: that many placements go without, then one
+    /// tries again.
+    std::size_t pause = 0, tried = 0;
   };
 
-  Scene scene(const TaskPlacement& placement) const;
+  void set_scene(const TaskPlacement& placement, Scene& scene) const;
   void check_placement(const TaskPlacement& placement) const;
   double alone_ns(std::uint32_t task, std::uint32_t place) const;
   std::string misfit(const TaskPlacement& placement, std::uint32_t device) const;
   template <typename Use>
   auto with_scratch(const Use& use) const;
-  /// Of scratch.scene.
   Figures simulate(Scratch& scratch) const;
+  Figures recall(Scratch& scratch) const;
   Figures priced(const Scratch& scratch, Figures figures, const Consumption& used) const;
   void add_engines(const Scratch& scratch, Figures& figures) const;
 
@@ -189,7 +196,7 @@ double Simulator::Impl::alone_ns(std::uint32_t task, std::uint32_t place) const 
   const Channels channels{{{kNone, "", 0}}, {{}}, {0}, {{}}};
   const CompiledTask& compiled = compiled_[task][place];
   const std::size_t programs = std::min(compiled.frames.size(), options_.frames);
-  Scratch scratch(compiler_);
+  Scratch scratch(compiler_, pipeline_);
   scratch.scene = {&single, &channels,   programs,
                    0,       {&compiled}, std::vector<bool>(machine_.devices.size(), false)};
   scratch.clock.reset(scratch.scene);
@@ -212,20 +219,19 @@ void Simulator::Impl::check_placement(const TaskPlacement& placement) const {
   if (!valid) throw Error("simulator: a placement that is not of this pipeline and machine");
 }
 
-Scene Simulator::Impl::scene(const TaskPlacement& placement) const {
+void Simulator::Impl::set_scene(const TaskPlacement& placement, Scene& scene) const {
   check_placement(placement);
-  Scene scene;
   scene.pipeline = &pipeline_;
   scene.channels = &channels_;
   scene.frames = options_.frames;
   scene.swaps.assign(machine_.devices.size(), false);
+  scene.tasks.clear();
   for (std::size_t i = 0; i < placement.size(); ++i) {
     scene.tasks.push_back(&compiled_[i][placement[i]]);
   }
   for (std::uint32_t d = 0; d < machine_.devices.size(); ++d) {
     scene.swaps[d] = options_.allow_swap && !misfit(placement, d).empty();
   }
-  return scene;
 }
 
 /// Why the tasks on an FPGA do not fit it together; empty if they do.
@@ -260,18 +266,41 @@ auto Simulator::Impl::with_scratch(const Use& use) const {
       idle_.pop_back();
     }
   }
-  if (!scratch) scratch = std::make_unique<Scratch>(compiler_);
+  if (!scratch) scratch = std::make_unique<Scratch>(compiler_, pipeline_);
   auto result = use(*scratch);
   const std::lock_guard lock(mutex_);
   idle_.push_back(std::move(scratch));
   return result;
 }
 
+/// Of scratch.scene, every command of every frame.
 Figures Simulator::Impl::simulate(Scratch& scratch) const {
   scratch.clock.reset(scratch.scene);
   Driver<CompiledClock>(scratch.scene, scratch.clock, scratch.trace).run();
-  return priced(scratch, figures_of(scratch.trace, scratch.scene),
-                scratch.clock.consumption(scratch.trace));
+  return priced(scratch, figures_of(scratch.trace, scratch.scene), scratch.clock.consumption());
+}
+
+/// The same, without what is known and what repeats.
+Figures Simulator::Impl::recall(Scratch& scratch) const {
+  const auto& swaps = scratch.scene.swaps;
+  // A bitstream outlives its frame, and its load moves whoever is on the device.
+  if (std::find(swaps.begin(), swaps.end(), true) != swaps.end()) return simulate(scratch);
+  RecallingClock& clock = scratch.recalling;
+  if (const PeriodicRun* run = scratch.periodic.run(scratch.scene, cycle_)) {
+    return priced(scratch, run->figures, run->consumption);
+  }
+  if (scratch.pause > 0) {
+    --scratch.pause;
+    return simulate(scratch);
+  }
+  clock.reset(scratch.scene);
+  Repetition repetition(scratch.scene, cycle_.length);
+  Driver<RecallingClock, Repetition>(scratch.scene, clock, scratch.trace, &repetition).run();
+  constexpr std::size_t kFewTries = 4, kPause = 8, kMostlyNew = 5;  // moments a frame
+  const bool mostly_new = clock.simulated() > kMostlyNew * options_.frames * ++scratch.tried;
+  if (mostly_new && scratch.tried >= kFewTries) scratch.pause = kPause;
+  if (!clock.exact()) return simulate(scratch);
+  return priced(scratch, figures_of(scratch.trace, scratch.scene), clock.consumption());
 }
 
 Figures Simulator::Impl::priced(const Scratch& scratch, Figures figures,
@@ -287,12 +316,15 @@ void Simulator::Impl::add_engines(const Scratch& scratch, Figures& figures) cons
   EngineUses uses(machine_);
   const auto& slots = compiler_.slots();
   for (std::size_t s = 0; s < slots.size(); ++s) {
-    uses.add(slots[s].name, slots[s].kind, slots[s].node, scratch.clock.held_by_slot()[s]);
+    uses.add(slots[s].name, slots[s].kind, slots[s].node,
+             scratch.clock.threads().held_by_slot()[s]);
   }
-  const auto& engines = scratch.clock.calendars().engines();
-  for (std::size_t e = 0; e < engines.size(); ++e) {
-    uses.add(engines[e].name, engines[e].kind, engines[e].node,
-             scratch.clock.calendars().worked()[e]);
+  const CompiledClock& clock = scratch.clock;
+  for (const auto* calendars : {&clock.threads().calendars(), &clock.messages().calendars()}) {
+    for (std::size_t e = 0; e < calendars->engines().size(); ++e) {
+      const timeline::Engine& engine = calendars->engines()[e];
+      uses.add(engine.name, engine.kind, engine.node, calendars->worked()[e]);
+    }
   }
   figures.engines = uses.by_share(figures.makespan);
 }
@@ -358,21 +390,21 @@ profile::Area Simulator::area(const TaskPlacement& placement, std::uint32_t devi
 }
 
 double Simulator::price(const TaskPlacement& placement) const {
-  return price_of(parts_of(impl_->scene(placement), impl_->machine_), impl_->machine_);
+  Scene scene;
+  impl_->set_scene(placement, scene);
+  return price_of(parts_of(scene, impl_->machine_), impl_->machine_);
 }
 
 Figures Simulator::quick(const TaskPlacement& placement) const {
   return impl_->with_scratch([&](Impl::Scratch& scratch) {
-    scratch.scene = impl_->scene(placement);
-    auto repeated = run_periodic(scratch.scene, impl_->cycle_, scratch.clock, scratch.trace);
-    if (!repeated) return impl_->simulate(scratch);
-    return impl_->priced(scratch, std::move(repeated->figures), repeated->consumption);
+    impl_->set_scene(placement, scratch.scene);
+    return impl_->recall(scratch);
   });
 }
 
 Figures Simulator::run(const TaskPlacement& placement) const {
   return impl_->with_scratch([&](Impl::Scratch& scratch) {
-    scratch.scene = impl_->scene(placement);
+    impl_->set_scene(placement, scratch.scene);
     Figures figures = impl_->simulate(scratch);
     add_details(scratch.trace, scratch.scene, figures);
     for (std::size_t i = 0; i < figures.tasks.size(); ++i) {
@@ -384,7 +416,8 @@ Figures Simulator::run(const TaskPlacement& placement) const {
 }
 
 Reference Simulator::reference(const TaskPlacement& placement) const {
-  const Scene scene = impl_->scene(placement);
+  Scene scene;
+  impl_->set_scene(placement, scene);
   ReferenceRun run = run_reference(scene, impl_->compiler_);
   const Parts parts = parts_of(scene, impl_->machine_);
   Figures figures = figures_of(run.trace, scene);

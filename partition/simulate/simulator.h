@@ -1,8 +1,9 @@
 // Simulator: the pipeline on a machine, without executing anything: every task is a host thread on
 // the node of its place, takes its frames in order, waits for its inputs, runs its program's steps,
 // posts its outputs. Times follow devices/timeline's rules to the nanosecond: reference() runs the
-// real Timeline and records it, run() is a compiled form of the same that is some twenty times faster,
-// quick() leaves out frames that repeat. Tests hold them equal.
+// real Timeline and records it, run() is a compiled form of the same that is some twenty times
+// faster, quick() looks up what it has simulated before, on whatever placement, and leaves out
+// frames that repeat. Tests hold them equal.
 //
 // Arbitration: always the task with the smallest virtual time acts next, ties by its order in the
 // pipeline; an engine serves commands in the order in which they are enqueued, as early as they
@@ -110,8 +111,8 @@ class Simulator {
 
   /// The figures over options().frames frames, the workload's repeated. Thread-safe.
   Figures run(const TaskPlacement& placement) const;
-  /// The same without ages, tasks and engines, and mostly without simulating all the frames: those
-  /// that begin on an idle machine and do what an earlier one did take as long as that one.
+  /// The same without ages, tasks and engines, and mostly without simulating anything: it remembers
+  /// what tasks beside each other did, and the more placements it is asked for, the less is new.
   Figures quick(const TaskPlacement& placement) const;
   /// The same as run() on the real Timeline, with the record and the schedule.
   Reference reference(const TaskPlacement& placement) const;

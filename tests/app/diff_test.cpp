@@ -74,9 +74,11 @@ TEST(Bench, SimulatesPlacements) {
   const json& row = document["measured"][0];
   EXPECT_EQ(row["machine"], "tx2");
   EXPECT_EQ(row["placements"], 32);
-  for (const char* rate : {"every_frame_per_s", "jitter_per_s", "alike_per_s"}) {
+  for (const char* rate : {"every_frame_per_s", "jitter_per_s", "jitter_twice_as_long_per_s",
+                           "alike_per_s"}) {
     EXPECT_GT(row[rate], 0) << rate;
   }
+  EXPECT_LE(row["placements_apart"], row["placements"]);
   EXPECT_THAT(document["what"].get<std::string>(), HasSubstr("one thread"));
 }
 

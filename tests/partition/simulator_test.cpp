@@ -105,6 +105,36 @@ TEST_P(SimulatorTest, FramesThatRepeatNeedNotAllBeSimulated) {
   }
 }
 
+/// One simulator for many placements, which share what it remembers; frames that overlap, wait and
+/// are dropped, over many cycles.
+TEST(Simulator, WhatItRemembersOfOtherPlacementsAndFramesChangesNothing) {
+  const auto all = machines();
+  std::size_t dropping = 0, complete = 0;
+  for (std::uint32_t seed = 0; seed < 120; ++seed) {
+    WorldOptions world_options;
+    world_options.recorded_frames = 1 + seed % 4;
+    RandomWorld world(1000 + seed, world_options);
+    world.pipeline.period_ns = world.pipeline.period_ns / (1 + seed % 4 * 8) + 1;
+    SimulatorOptions options;
+    options.frames = 30 + seed % 7 * 40;
+    const Simulator simulator(all[seed % all.size()], world.pipeline, world.workload, options);
+    std::vector<TaskPlacement> placements;
+    for (int i = 0; i < 12; ++i) placements.push_back(world.placement(simulator));
+    for (std::size_t i = 0; i < 2 * placements.size(); ++i) {
+      const TaskPlacement& placement = placements[i % placements.size()];
+      if (!simulator.infeasible(placement).empty()) continue;
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", look " + std::to_string(i) + ": " +
+                   simulator.name(placement));
+      const Figures quick = simulator.quick(placement);
+      expect_same_quick(quick, simulator.run(placement));
+      ASSERT_FALSE(HasFailure());
+      ++(quick.dropped_by_tasks > 0 ? dropping : complete);
+    }
+  }
+  EXPECT_GT(dropping, 400u);
+  EXPECT_GT(complete, 400u);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, SimulatorTest, ::testing::Bool());
 
 }  // namespace
