@@ -50,9 +50,9 @@ struct LocalizeReport {
 
 /// The true poses of the body that `poses` are of at these times, interpolated; empty entries where
 /// the truth does not reach.
-std::vector<std::optional<Eigen::Isometry3d>> truth_at(
-    const std::vector<sensing::TimedPose>& truth, const std::vector<std::int64_t>& times,
-    const Eigen::Isometry3d& T_imu_body);
+std::vector<std::optional<Eigen::Isometry3d>> truth_at(const std::vector<sensing::TimedPose>& truth,
+                                                       const std::vector<std::int64_t>& times,
+                                                       const Eigen::Isometry3d& T_imu_body);
 
 /// The comparison over the moments of which both are known.
 Compared compare(const io::Trajectory& poses,

@@ -27,11 +27,10 @@ namespace {
 namespace fs = std::filesystem;
 
 const ResultFiles& results() {
-  static const ResultFiles files{
-      .writer = io::kLocalizeWriter,
-      .identity = "localization.json",
-      .files = {"trajectory.tum", "trajectory.txt", "fixes.csv", "path.svg", "path.png",
-                "localization.json"}};
+  static const ResultFiles files{.writer = io::kLocalizeWriter,
+                                 .identity = "localization.json",
+                                 .files = {"trajectory.tum", "trajectory.txt", "fixes.csv",
+                                           "path.svg", "path.png", "localization.json"}};
   return files;
 }
 
@@ -48,8 +47,7 @@ fusion::GpsGap parse_gap(const std::string& text, std::int64_t origin_ns) {
     const auto [rest, error] = std::from_chars(at, end, values[i]);
     const bool separated = i == 0 ? rest != end && *rest == ':' : rest == end;
     if (error != std::errc() || !separated || !(values[i] >= 0 && values[i] < 1e7)) {
-      throw UsageError(
-          fmt::format("--gps-gap '{}': expected START:SECONDS, as in 12.5:10", text));
+      throw UsageError(fmt::format("--gps-gap '{}': expected START:SECONDS, as in 12.5:10", text));
     }
     at = rest + 1;
   }
@@ -83,10 +81,11 @@ class Localize {
     fuse(report);
     for (const std::string& notice : notices()) console_.notice(notice);
     if (report.drive.states.empty()) {
-      throw Error(fmt::format(
-          "{}: no beginning was found: neither a rest, nor {} moments seen by the camera, nor fixes "
-          "of a moving vehicle",
-          name(), 8));
+      throw Error(
+          fmt::format("{}: no beginning was found: neither a rest, nor {} moments seen by the "
+                      "camera, nor fixes "
+                      "of a moving vehicle",
+                      name(), 8));
     }
     judge(report);
     if (options_.gap_test > 0) test_gaps(report);
@@ -95,9 +94,7 @@ class Localize {
   }
 
  private:
-  std::string name() const {
-    return options_.dataset.empty() ? "scenario" : options_.dataset;
-  }
+  std::string name() const { return options_.dataset.empty() ? "scenario" : options_.dataset; }
 
   void open() {
     if (options_.dataset.empty()) {
@@ -154,8 +151,8 @@ class Localize {
     }
     const io::Trajectory poses = io::read_kitti_trajectory(options_.truth);
     if (!dataset_.frames || poses.size() < dataset_.frames->size()) {
-      throw Error(fmt::format("{}: {} poses, expected one for each picture", options_.truth,
-                              poses.size()));
+      throw Error(
+          fmt::format("{}: {} poses, expected one for each picture", options_.truth, poses.size()));
     }
     for (std::size_t i = 0; i < dataset_.frames->size(); ++i) {
       truth.push_back({dataset_.frames->timestamp_ns(i), poses[i] * body().inverse(), {}, {}, {}});

@@ -47,10 +47,11 @@ Json to_json(const Compared& compared) {
 
 std::string line(const char* name, const Compared& compared) {
   const io::TrajectoryError& e = *compared.error;
-  std::string text = fmt::format("{:<20}ATE {:.3f} m ({:.3f} % of {:.1f} m), end error {:.3f} m "
-                                 "({:.2f} %)",
-                                 name, e.ate_rmse, e.distance > 0 ? 100 * e.ate_rmse / e.distance : 0,
-                                 e.distance, e.end_error, e.end_error_percent);
+  std::string text = fmt::format(
+      "{:<20}ATE {:.3f} m ({:.3f} % of {:.1f} m), end error {:.3f} m "
+      "({:.2f} %)",
+      name, e.ate_rmse, e.distance > 0 ? 100 * e.ate_rmse / e.distance : 0, e.distance, e.end_error,
+      e.end_error_percent);
   if (compared.relative) {
     text += fmt::format(", RPE {:.4f} m {:.4f} deg", compared.relative->translation_rmse,
                         compared.relative->rotation_rmse_degrees);
@@ -79,9 +80,9 @@ GapSummary summary(const std::vector<fusion::GapError>& gaps) {
 
 }  // namespace
 
-std::vector<std::optional<Eigen::Isometry3d>> truth_at(
-    const std::vector<sensing::TimedPose>& truth, const std::vector<std::int64_t>& times,
-    const Eigen::Isometry3d& T_imu_body) {
+std::vector<std::optional<Eigen::Isometry3d>> truth_at(const std::vector<sensing::TimedPose>& truth,
+                                                       const std::vector<std::int64_t>& times,
+                                                       const Eigen::Isometry3d& T_imu_body) {
   std::vector<std::optional<Eigen::Isometry3d>> result;
   constexpr std::int64_t kMostApart = 500'000'000;
   for (const std::int64_t time : times) {
@@ -103,8 +104,8 @@ std::vector<std::optional<Eigen::Isometry3d>> truth_at(
     pose.linear() = Eigen::Quaterniond(before->T_world_imu.linear())
                         .slerp(share, Eigen::Quaterniond(next->T_world_imu.linear()))
                         .toRotationMatrix();
-    pose.translation() = (1 - share) * before->T_world_imu.translation() +
-                         share * next->T_world_imu.translation();
+    pose.translation() =
+        (1 - share) * before->T_world_imu.translation() + share * next->T_world_imu.translation();
     result.back() = pose * T_imu_body;
   }
   return result;
@@ -178,40 +179,40 @@ Json to_json(const LocalizeReport& report) {
 std::string to_text(const LocalizeReport& report) {
   const fusion::EstimatorCounts& counts = report.drive.counts;
   const sensing::SensorLog& log = report.dataset.log;
-  std::string text = fmt::format(
-      "{} of {}: {} of {} moments localized, begun {}{}\n",
-      report.options.dataset.empty() ? "scenario" : report.options.dataset, report.dataset.kind,
-      report.drive.states.size(), report.drive.moments, report.drive.origin,
-      report.drive.in_map ? ", in the map" : "");
+  std::string text =
+      fmt::format("{} of {}: {} of {} moments localized, begun {}{}\n",
+                  report.options.dataset.empty() ? "scenario" : report.options.dataset,
+                  report.dataset.kind, report.drive.states.size(), report.drive.moments,
+                  report.drive.origin, report.drive.in_map ? ", in the map" : "");
   if (report.frames > 0) {
-    text += fmt::format("vision              {} frames, {} lost, {} motions used, {} rejected\n",
-                        report.frames, report.frames_lost, counts.visual_used,
-                        counts.visual_rejected);
+    text +=
+        fmt::format("vision              {} frames, {} lost, {} motions used, {} rejected\n",
+                    report.frames, report.frames_lost, counts.visual_used, counts.visual_rejected);
   }
   if (!log.imu.empty()) {
     text += fmt::format("inertial            {} readings, {:.2f} s bridged, {} moments at rest\n",
                         log.imu.size(), counts.bridged_seconds, counts.standstill);
   }
   if (!log.gps.empty()) {
-    text += fmt::format("GPS                 {} fixes: {} used, {} rejected, {} before the map was "
-                        "known; longest gap {:.1f} s, {} relocations\n",
-                        log.gps.size(), counts.fixes_used, counts.fixes_rejected,
-                        counts.fixes_waiting, counts.longest_gps_gap, counts.relocations);
+    text += fmt::format(
+        "GPS                 {} fixes: {} used, {} rejected, {} before the map was "
+        "known; longest gap {:.1f} s, {} relocations\n",
+        log.gps.size(), counts.fixes_used, counts.fixes_rejected, counts.fixes_waiting,
+        counts.longest_gps_gap, counts.relocations);
   }
   if (report.fused.error) text += line("fused", report.fused);
   if (report.vision.error) text += line("vision alone", report.vision);
   if (!report.gaps.empty()) {
     const GapSummary s = summary(report.gaps);
-    text += fmt::format("gaps of {:g} s        {} cut: off by {:.1f} m (median), {:.1f} m (90 %), "
-                        "{:.1f} m (worst); {:.1f} % within 10 m\n",
-                        report.options.gap_test, report.gaps.size(), s.median, s.p90, s.worst,
-                        s.within_10);
+    text += fmt::format(
+        "gaps of {:g} s        {} cut: off by {:.1f} m (median), {:.1f} m (90 %), "
+        "{:.1f} m (worst); {:.1f} % within 10 m\n",
+        report.options.gap_test, report.gaps.size(), s.median, s.p90, s.worst, s.within_10);
   }
-  text += fmt::format("measured here       vision {:.1f} ms a frame, fusion {:.2f} ms a moment\n",
-                      report.frames > 0 ? 1e3 * report.vision_seconds /
-                                              static_cast<double>(report.frames)
-                                        : 0.0,
-                      1e3 * report.fusion_seconds / static_cast<double>(report.drive.moments));
+  text += fmt::format(
+      "measured here       vision {:.1f} ms a frame, fusion {:.2f} ms a moment\n",
+      report.frames > 0 ? 1e3 * report.vision_seconds / static_cast<double>(report.frames) : 0.0,
+      1e3 * report.fusion_seconds / static_cast<double>(report.drive.moments));
   std::string files;
   for (const std::string& file : report.files) files += (files.empty() ? "" : ", ") + file;
   return text + fmt::format("written to {}: {}\n", report.options.out, files);
@@ -238,8 +239,7 @@ void write_fixes(const std::string& path, const LocalizeReport& report) {
 }
 
 void write_path_plot(const std::string& folder, const LocalizeReport& report) {
-  constexpr double kWidth = 1000, kHeight = 760, kLeft = 80, kTop = 70, kRight = 970,
-                   kBottom = 690;
+  constexpr double kWidth = 1000, kHeight = 760, kLeft = 80, kTop = 70, kRight = 970, kBottom = 690;
   plot::Drawing drawing(kWidth, kHeight, "Path from above");
   // The truth's axes are its own: the path is laid over it by the rigid motion that fits best.
   Eigen::Isometry3d T_shown_world = Eigen::Isometry3d::Identity();
@@ -269,7 +269,8 @@ void write_path_plot(const std::string& folder, const LocalizeReport& report) {
     }
   }
   const double scale = std::min((kRight - kLeft) / std::max(x1 - x0, 0.1),
-                                (kBottom - kTop) / std::max(y1 - y0, 0.1)) * 0.96;
+                                (kBottom - kTop) / std::max(y1 - y0, 0.1)) *
+                       0.96;
   const auto at = [&](const Eigen::Vector3d& p) {
     return plot::Point{(kLeft + kRight) / 2 + (p.x() - (x0 + x1) / 2) * scale,
                        (kTop + kBottom) / 2 - (p.y() - (y0 + y1) / 2) * scale};
@@ -279,13 +280,15 @@ void write_path_plot(const std::string& folder, const LocalizeReport& report) {
   for (double v = std::ceil((middle_x - half_x) / step) * step; v <= middle_x + half_x; v += step) {
     const double px = at({v, 0, 0}).x;
     drawing.add(plot::Line{{{px, kTop}, {px, kBottom}}, plot::kGrid});
-    drawing.add(plot::Text{{px, kBottom + 20}, fmt::format("{:g}", v + 0.0), 13, plot::Anchor::middle});
+    drawing.add(
+        plot::Text{{px, kBottom + 20}, fmt::format("{:g}", v + 0.0), 13, plot::Anchor::middle});
   }
   const double middle_y = (y0 + y1) / 2, half_y = (kBottom - kTop) / 2 / scale;
   for (double v = std::ceil((middle_y - half_y) / step) * step; v <= middle_y + half_y; v += step) {
     const double py = at({0, v, 0}).y;
     drawing.add(plot::Line{{{kLeft, py}, {kRight, py}}, plot::kGrid});
-    drawing.add(plot::Text{{kLeft - 8, py + 5}, fmt::format("{:g}", v + 0.0), 13, plot::Anchor::end});
+    drawing.add(
+        plot::Text{{kLeft - 8, py + 5}, fmt::format("{:g}", v + 0.0), 13, plot::Anchor::end});
   }
   const auto line_of = [&](const std::vector<Eigen::Vector3d>& points, plot::Rgb colour,
                            double width) {
@@ -294,15 +297,19 @@ void write_path_plot(const std::string& folder, const LocalizeReport& report) {
     if (line.points.size() > 1) drawing.add(line);
   };
   for (const auto& p : fixes) {
-    drawing.add(plot::Mark{.at = at(p), .radius = 2.5, .fill = plot::lighter(plot::series(1), 0.4)});
+    drawing.add(
+        plot::Mark{.at = at(p), .radius = 2.5, .fill = plot::lighter(plot::series(1), 0.4)});
   }
   line_of(truth, plot::kLight, 6);
   line_of(path, plot::series(0), 2);
-  drawing.add(plot::Text{{kLeft, 32},
-                         fmt::format("Path from above: {}", report.options.dataset.empty()
-                                                                ? "scenario"
-                                                                : report.options.dataset),
-                         18, plot::Anchor::start, plot::kInk, true});
+  drawing.add(
+      plot::Text{{kLeft, 32},
+                 fmt::format("Path from above: {}",
+                             report.options.dataset.empty() ? "scenario" : report.options.dataset),
+                 18,
+                 plot::Anchor::start,
+                 plot::kInk,
+                 true});
   std::string legend = "estimate (blue)";
   if (with_truth) legend += ", truth (grey, aligned)";
   if (!fixes.empty()) legend += ", GPS fixes (dots)";
@@ -312,7 +319,8 @@ void write_path_plot(const std::string& folder, const LocalizeReport& report) {
   }
   drawing.add(plot::Text{{kLeft, 54}, legend, 14, plot::Anchor::start, plot::kGrey});
   drawing.add(plot::Text{{(kLeft + kRight) / 2, kBottom + 46},
-                         report.drive.in_map ? "metres east (up: north)" : "metres", 15,
+                         report.drive.in_map ? "metres east (up: north)" : "metres",
+                         15,
                          plot::Anchor::middle});
   drawing.write(folder, "path");
 }

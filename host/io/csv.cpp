@@ -118,12 +118,12 @@ std::optional<double> CsvFile::value(std::size_t row, std::size_t column) const 
   if (error == std::errc::result_out_of_range && end == text.data() + text.size()) {
     value = std::strtod(std::string(text).c_str(), nullptr);  // an underflow is a plain zero
   } else if (error != std::errc() || end != text.data() + text.size()) {
-    fail(row, fmt::format("{} in column '{}' is not a number", quoted(text),
-                          columns_[column].name));
+    fail(row,
+         fmt::format("{} in column '{}' is not a number", quoted(text), columns_[column].name));
   }
   if (!(std::abs(value) <= kLargest)) {
-    fail(row, fmt::format("{} in column '{}' is out of range", quoted(text),
-                          columns_[column].name));
+    fail(row,
+         fmt::format("{} in column '{}' is out of range", quoted(text), columns_[column].name));
   }
   return value;
 }

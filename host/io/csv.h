@@ -18,9 +18,9 @@ struct CsvColumn {
 };
 
 /// The first line is the header; it may begin with '#' or '%'. Cells are separated by commas (or
-/// semicolons, where the header has no comma), blanks around them do not count. Empty lines are left
-/// out. Throws Error where the file cannot be read or is not text, where the header has no second
-/// column, and, with file and line, where a row has more or fewer cells than the header.
+/// semicolons, where the header has no comma), blanks around them do not count. Empty lines are
+/// left out. Throws Error where the file cannot be read or is not text, where the header has no
+/// second column, and, with file and line, where a row has more or fewer cells than the header.
 class CsvFile {
  public:
   explicit CsvFile(std::string path);
@@ -38,8 +38,8 @@ class CsvFile {
   std::string_view cell(std::size_t row, std::size_t column) const {
     return cells_.at(row * columns_.size() + column);
   }
-  /// A finite number within +-1e19, or nothing for an empty cell, "nan" and "inf" (a reading that is
-  /// not there). Throws Error with file, line and column for anything else.
+  /// A finite number within +-1e19, or nothing for an empty cell, "nan" and "inf" (a reading that
+  /// is not there). Throws Error with file, line and column for anything else.
   std::optional<double> value(std::size_t row, std::size_t column) const;
   /// A whole number exactly, where a double would round it (nanoseconds since 1970).
   std::optional<long long> whole(std::size_t row, std::size_t column) const;

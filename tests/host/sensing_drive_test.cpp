@@ -61,8 +61,9 @@ TEST(DriveCsv, WhatCannotBeUsedIsLeftOutAndTold) {
 
 TEST(DriveCsv, RowsAreOnTheReceiversClock) {
   const TempFolder folder;
-  std::string text = "date,time,millis,ax,ay,az,rollrate,pitchrate,yawrate,speed,course,latitude,"
-                     "longitude\n";
+  std::string text =
+      "date,time,millis,ax,ay,az,rollrate,pitchrate,yawrate,speed [km/h],course,"
+      "latitude,longitude\n";
   for (int row = 0; row < 100; ++row) {  // five rows a tick of 0.1 s; the logger lags and stutters
     const int tick = row / 5;
     text += "140214," + std::to_string(74852000 + 100 * tick) + "," +
@@ -75,7 +76,7 @@ TEST(DriveCsv, RowsAreOnTheReceiversClock) {
     EXPECT_NEAR(1e-9 * static_cast<double>(log.imu[i].timestamp_ns - log.imu[i - 1].timestamp_ns),
                 0.02, 1e-3);
   }
-  EXPECT_EQ(log.gps.size(), 19U);
+  EXPECT_EQ(log.gps.size(), 20U);
   EXPECT_NEAR(*log.gps[3].speed, 10, 0.01);
   EXPECT_NEAR((log.gps[5].position - log.gps[4].position).x(), 1, 0.02);
   EXPECT_NEAR(log.imu[0].gyro.z(), 0.0174533, 1e-6);
@@ -84,9 +85,10 @@ TEST(DriveCsv, RowsAreOnTheReceiversClock) {
 
 TEST(DriveCsv, EmptyCellsAreNoFixes) {
   const TempFolder folder;
-  const SensorLog log = read(folder, "time_s,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z,east,"
-                                     "north\n0,0,0,0,0,0,9.8,1,2\n0.01,0,0,0,0,0,9.8,,\n"
-                                     "0.02,0,0,0,0,0,9.8,1,2.5\n");
+  const SensorLog log = read(folder,
+                             "time_s,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z,east,"
+                             "north\n0,0,0,0,0,0,9.8,1,2\n0.01,0,0,0,0,0,9.8,,\n"
+                             "0.02,0,0,0,0,0,9.8,1,2.5\n");
   EXPECT_EQ(log.imu.size(), 3U);
   ASSERT_EQ(log.gps.size(), 2U);
   EXPECT_EQ(log.gps[1].position.y(), 2.5);
@@ -152,8 +154,10 @@ TEST(Rectify, RowsAgreeAndDisparityIsDepth) {
 }
 
 std::string mutated(std::string text, std::mt19937& random) {
-  static const std::vector<std::string> kWords = {"nan", "-",  "1e999", ",",     "\n", "",  "#",
-                                                  "inf", "99999999999999999999", "[",  ";", "1e-320",
+  static const std::vector<std::string> kWords = {"nan", "-",        "1e999",
+                                                  ",",   "\n",       "",
+                                                  "#",   "inf",      "99999999999999999999",
+                                                  "[",   ";",        "1e-320",
                                                   ":",   "\xff\xfe", std::string(1, '\0')};
   const auto pick = [&random](std::size_t size) { return random() % size; };
   for (std::size_t edits = 1 + pick(4); edits > 0; --edits) {
@@ -198,7 +202,8 @@ TEST(DriveFuzz, Csv) {
       "140214,74852200,1392364131182.354,-0.6,-0.2,-10.6,0.6,-0.7,0.8,0,0,51.02972,13.7315,3.1\n"
       "140214,74852300,1392364131233.481,-0.9,0.4,-10.3,-0.5,-0.6,1.0,52.9,126,51.02972,13.7315,3\n"
       "140214,74852400,1392364131382.654,-0.1,0.2,-10.1,-0.5,-0.6,1.4,52.9,126,51.02971,13.7316,3\n"
-      "140214,74852500,1392364131534.596,-0.1,0.2,-10.1,-0.5,-0.6,1.3,52.9,126,51.02970,13.7317,3\n";
+      "140214,74852500,1392364131534.596,-0.1,0.2,-10.1,-0.5,-0.6,1.3,52.9,126,51.02970,13.7317,"
+      "3\n";
   EXPECT_GT(fuzz(combined, 2000,
                  [&](const std::string& text) {
                    io::write_file(folder.file("drive.csv"), text);
@@ -239,8 +244,7 @@ TEST(DriveFuzz, EurocYamlAndTruth) {
   io::write_file(folder.file("mav0/imu0/sensor.yaml"), sensor);
   EXPECT_GT(fuzz(truth, 1000,
                  [&](const std::string& text) {
-                   io::write_file(
-                       folder.file("mav0/state_groundtruth_estimate0/data.csv"), text);
+                   io::write_file(folder.file("mav0/state_groundtruth_estimate0/data.csv"), text);
                    open_dataset(folder.path());
                  }),
             200);

@@ -20,9 +20,8 @@ bool in_gap(std::int64_t time_ns, std::span<const GpsGap> gaps) {
 std::vector<GpsFix> fixes_between(const SensorLog& log, std::int64_t after, std::int64_t until,
                                   std::span<const GpsGap> gaps) {
   std::vector<GpsFix> result;
-  auto fix = std::upper_bound(
-      log.gps.begin(), log.gps.end(), after,
-      [](std::int64_t t, const GpsFix& f) { return t < f.timestamp_ns; });
+  auto fix = std::upper_bound(log.gps.begin(), log.gps.end(), after,
+                              [](std::int64_t t, const GpsFix& f) { return t < f.timestamp_ns; });
   for (; fix != log.gps.end() && fix->timestamp_ns <= until; ++fix) {
     if (!in_gap(fix->timestamp_ns, gaps)) result.push_back(*fix);
   }

@@ -17,8 +17,8 @@ using sensing::SensorLog;
 /// What vision made of a frame.
 struct VisualFrame {
   std::int64_t timestamp_ns = 0;
-  std::optional<VisualMotion> motion;  ///< nothing: the first frame, or the track was lost
-  std::int64_t reference_ns = 0;       ///< the frame that the motion begins at
+  std::optional<VisualMotion> motion;   ///< nothing: the first frame, or the track was lost
+  std::int64_t reference_ns = 0;        ///< the frame that the motion begins at
   Pose T_world_cam = Pose::Identity();  ///< by vision alone
 };
 
@@ -50,10 +50,10 @@ EstimatorOptions options_for(const SensorLog& log);
 struct GapError {
   std::int64_t from_ns = 0;  ///< the last fix before
   double seconds = 0;
-  double error = 0;    ///< metres, horizontally
-  double ahead = 0;    ///< of it, along the way between the two fixes: thought to be too far
-  double left = 0;     ///< and across
-  double sigmas = 0;   ///< in standard deviations, the fix's own among them
+  double error = 0;      ///< metres, horizontally
+  double ahead = 0;      ///< of it, along the way between the two fixes: thought to be too far
+  double left = 0;       ///< and across
+  double sigmas = 0;     ///< in standard deviations, the fix's own among them
   double travelled = 0;  ///< between the two fixes, metres
 };
 /// Every gap of that length that can be cut, or every n-th: after each fix from which on the

@@ -20,7 +20,11 @@ constexpr double kNoImuVelocity = 1.0;
 constexpr double kAlignSigmas = 6;  ///< the way must be this long, in a fix's standard deviations
 constexpr double kAlignMetres = 5;
 constexpr std::int64_t kMostVelocityApartNs = 60'000'000;
-constexpr double kFirstWait = 1.0;  ///< seconds that rest is watched for first
+constexpr std::size_t kSamplesForStep = 20;
+/// After a second without a fix, a prediction is off by more than its covariance knows: tyres slip,
+/// roads bank, units are not quite straight. Metres per second of the gap.
+constexpr double kBlindDrift = 0.3;
+constexpr double kFirstWait = 0.8;  ///< seconds that rest is watched for first
 
 }  // namespace
 
@@ -29,13 +33,16 @@ Estimator::Estimator(EstimatorOptions options)
 
 void Estimator::add_imu(std::span<const ImuSample> samples) {
   imu_.insert(imu_.end(), samples.begin(), samples.end());
+  if (imu_step_ == 0 && imu_.size() >= kSamplesForStep) {
+    imu_step_ = Preintegration::usual_step(imu_);
+  }
 }
 
 std::span<const ImuSample> Estimator::readings(std::int64_t from_ns, std::int64_t to_ns) const {
   const auto before = [](const ImuSample& s, std::int64_t t) { return s.timestamp_ns < t; };
   auto first = std::lower_bound(imu_.begin(), imu_.end(), from_ns, before);
   auto last = std::lower_bound(first, imu_.end(), to_ns, before);
-  if (first != imu_.begin()) --first;   // the neighbours at both ends, to interpolate with
+  if (first != imu_.begin()) --first;  // the neighbours at both ends, to interpolate with
   if (last != imu_.end()) ++last;
   return {first, last};
 }
@@ -136,7 +143,7 @@ void Estimator::predict(const Moment& moment) {
   if (options_.has_imu) {
     measured.emplace(from.bias, options_.noise);
     measured->integrate(readings(from.timestamp_ns, moment.timestamp_ns), from.timestamp_ns,
-                        moment.timestamp_ns);
+                        moment.timestamp_ns, imu_step_);
     counts_.bridged_seconds += measured->bridged_seconds();
     predicted = measured->predict(from);
     predicted.timestamp_ns = moment.timestamp_ns;
@@ -191,8 +198,8 @@ void Estimator::add_wheels(const Moment& moment) {
     window_.add(wheel_factor(id, *options_.wheels));
     if (const auto& times = state_times_; times.size() > 1) {
       const std::int64_t before = times[times.size() - 2].first;
-      window_.add(steady_factor(id - 1, *options_.wheels,
-                                seconds_between(before, moment.timestamp_ns)));
+      window_.add(
+          steady_factor(id - 1, *options_.wheels, seconds_between(before, moment.timestamp_ns)));
     }
   }
   if (!options_.has_imu) return;
@@ -232,7 +239,8 @@ void Estimator::judge(const GpsFix& fix, const StateMatrix& covariance) {
   report.predicted = state.position + state.velocity * seconds;
   report.gap_seconds = seconds_between(last_used_ns_, fix.timestamp_ns);
   Eigen::Matrix2d spread = covariance.block<2, 2>(kPosition, kPosition);
-  spread.diagonal().array() += fix.sigma * fix.sigma;
+  const double drift = report.gap_seconds > 1 ? kBlindDrift * report.gap_seconds : 0;
+  spread.diagonal().array() += fix.sigma * fix.sigma + drift * drift;
   const Eigen::Vector2d off = (fix.position - report.predicted).head<2>();
   report.sigmas = std::sqrt(std::max(0.0, off.dot(spread.ldlt().solve(off))));
   if (report.sigmas <= options_.gate) {
@@ -269,9 +277,9 @@ void Estimator::use_ground_velocity(const GpsFix& fix) {
   const auto then =
       fix.timestamp_ns - static_cast<std::int64_t>(options_.velocity_lag_seconds * 1e9);
   const auto apart = [then](const auto& entry) { return std::abs(entry.first - then); };
-  const auto nearest = std::min_element(
-      state_times_.begin(), state_times_.end(),
-      [&apart](const auto& a, const auto& b) { return apart(a) < apart(b); });
+  const auto nearest =
+      std::min_element(state_times_.begin(), state_times_.end(),
+                       [&apart](const auto& a, const auto& b) { return apart(a) < apart(b); });
   // Of a time from before the window, it would be taken for a later one.
   if (apart(*nearest) > kMostVelocityApartNs) return;
   const Eigen::Vector2d velocity(*fix.speed * std::sin(*fix.course),
@@ -294,8 +302,8 @@ void Estimator::relocate(const GpsFix& fix) {
   rejected_.push_back(fix);
   if (rejected_.size() < options_.relocate_after) return;
   NavState state = window_.newest();
-  state.position = fix.position + state.velocity * seconds_between(fix.timestamp_ns,
-                                                                   state.timestamp_ns);
+  state.position =
+      fix.position + state.velocity * seconds_between(fix.timestamp_ns, state.timestamp_ns);
   StateVector sigma = window_.newest_covariance().diagonal().cwiseMax(1e-12).cwiseSqrt() * 2;
   sigma.segment<3>(kPosition).setConstant(2 * std::max(fix.sigma, 1.0));
   window_.restart(state, sigma);
@@ -304,8 +312,8 @@ void Estimator::relocate(const GpsFix& fix) {
   rejected_.clear();
 }
 
-/// Where the free world lies in the map: the turn about the vertical and the shift that take the way
-/// of the states onto that of the fixes, by least squares, once both are long enough.
+/// Where the free world lies in the map: the turn about the vertical and the shift that take the
+/// way of the states onto that of the fixes, by least squares, once both are long enough.
 void Estimator::align(const Moment& moment) {
   window_.solve(options_.iterations);
   const NavState& state = window_.newest();

@@ -34,12 +34,12 @@ struct EstimatorOptions {
   /// positions wander for seconds, its speed and course less.
   double gps_correlation_seconds = 4;
   double velocity_correlation_seconds = 0.5;
-  double gps_up_factor = 2;       ///< sigma of a fix's height, in those of its position
-  double speed_sigma = 0.2;       ///< m/s
-  double course_sigma = 0.02;     ///< rad
+  double gps_up_factor = 2;    ///< sigma of a fix's height, in those of its position
+  double speed_sigma = 0.2;    ///< m/s
+  double course_sigma = 0.02;  ///< rad
   /// Receivers smooth: speed and course are what they were so long before.
   double velocity_lag_seconds = 0.6;
-  double gate = 5;                ///< a fix further off, in standard deviations, is rejected
+  double gate = 5;                  ///< a fix further off, in standard deviations, is rejected
   std::size_t relocate_after = 10;  ///< rejected fixes in a row that agree with each other
 };
 
@@ -70,10 +70,10 @@ struct EstimatorCounts {
   std::size_t relocations = 0;
   std::size_t visual_used = 0;
   std::size_t visual_rejected = 0;
-  std::size_t standstill = 0;    ///< moments at rest
-  std::size_t unsolved = 0;      ///< moments whose system could not be solved
-  double bridged_seconds = 0;    ///< without inertial readings
-  double longest_gps_gap = 0;    ///< seconds between fixes that were used
+  std::size_t standstill = 0;  ///< moments at rest
+  std::size_t unsolved = 0;    ///< moments whose system could not be solved
+  double bridged_seconds = 0;  ///< without inertial readings
+  double longest_gps_gap = 0;  ///< seconds between fixes that were used
 };
 
 class Estimator {
@@ -116,6 +116,7 @@ class Estimator {
 
   EstimatorOptions options_;
   std::vector<ImuSample> imu_;
+  double imu_step_ = 0;  ///< usual seconds between readings, 0: not known yet
   Window window_;
   std::deque<std::pair<std::int64_t, StateId>> state_times_;
   EstimatorCounts counts_;

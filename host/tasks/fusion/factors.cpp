@@ -153,7 +153,8 @@ class SteadyFactor final : public Factor {
 };
 
 /// With Ci = Ri Rc the camera's attitude and ci its place: the motion expected is
-/// E = Ci^T Cj, e = Ci^T (cj - ci); the residual is (log(M^T E), M^T (e - m)) for the measured M, m.
+/// E = Ci^T Cj, e = Ci^T (cj - ci); the residual is (log(M^T E), M^T (e - m)) for the measured M,
+/// m.
 class VisualFactor final : public Factor {
  public:
   VisualFactor(StateId from, StateId to, const VisualMotion& motion, const Pose& T_imu_cam)
@@ -179,8 +180,7 @@ class VisualFactor final : public Factor {
       Eigen::Matrix<double, 6, kStateSize> Ji, Jj;
       Ji.setZero();
       Jj.setZero();
-      Ji.block<3, 3>(0, kRotation) =
-          -J_inverse * (j.R_world_imu * Rc).transpose() * i.R_world_imu;
+      Ji.block<3, 3>(0, kRotation) = -J_inverse * (j.R_world_imu * Rc).transpose() * i.R_world_imu;
       Jj.block<3, 3>(0, kRotation) = J_inverse * Rc.transpose();
       const Matrix3d by_world = M_inverse * Ci_inverse;
       Ji.block<3, 3>(3, kRotation) =

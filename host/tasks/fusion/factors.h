@@ -19,8 +19,8 @@ FactorPtr inertial_factor(StateId from, const Preintegration& measured);
 
 /// Its residual before whitening, for tests: the same order.
 StateVector inertial_residual(const NavState& from, const NavState& to,
-                              const Preintegration& measured,
-                              StateMatrix* by_from = nullptr, StateMatrix* by_to = nullptr);
+                              const Preintegration& measured, StateMatrix* by_from = nullptr,
+                              StateMatrix* by_to = nullptr);
 
 /// Keeps a state where it is: standard deviations of its 15 changes, those of the rotation about
 /// the world's axes (tilt about x and y, yaw about z); 0 for no say.
@@ -30,8 +30,8 @@ FactorPtr prior_factor(StateId id, const NavState& at, const StateVector& sigma)
 /// r + J (x - at), with one block of columns of J for each state.
 FactorPtr linear_factor(std::vector<StateId> ids, std::vector<NavState> at, Eigen::VectorXd r,
                         Eigen::MatrixXd J);
-/// The same in a world that is turned about the vertical and shifted. Factors other than linear ones
-/// that do not speak of the world are returned as they are.
+/// The same in a world that is turned about the vertical and shifted. Factors other than linear
+/// ones that do not speak of the world are returned as they are.
 FactorPtr moved_factor(const FactorPtr& factor, const Pose& T_new_old);
 
 /// A position fix `seconds` after the state (before: negative), at most a fraction of a second.

@@ -34,9 +34,8 @@ class InertialFactor final : public Factor {
                            std::vector<StateJacobian>* jacobians) const override {
     StateMatrix by_from, by_to;
     const bool wanted = jacobians != nullptr;
-    const StateVector r =
-        inertial_residual(states.at(ids_[0]), states.at(ids_[1]), measured_,
-                          wanted ? &by_from : nullptr, wanted ? &by_to : nullptr);
+    const StateVector r = inertial_residual(states.at(ids_[0]), states.at(ids_[1]), measured_,
+                                            wanted ? &by_from : nullptr, wanted ? &by_to : nullptr);
     if (wanted) *jacobians = {whitening_ * by_from, whitening_ * by_to};
     return whitening_ * r;
   }
@@ -54,8 +53,8 @@ StateVector inertial_residual(const NavState& from, const NavState& to,
                               StateMatrix* by_to) {
   const double t = measured.seconds();
   const Matrix3d Ri_inverse = from.R_world_imu.transpose();
-  const Vector3d moved = Ri_inverse * (to.position - from.position - from.velocity * t -
-                                       gravity() * (t * t / 2));
+  const Vector3d moved =
+      Ri_inverse * (to.position - from.position - from.velocity * t - gravity() * (t * t / 2));
   const Vector3d sped_up = Ri_inverse * (to.velocity - from.velocity - gravity() * t);
   StateVector r;
   r << so3::log(measured.corrected_R(from.bias).transpose() * Ri_inverse * to.R_world_imu),
@@ -72,8 +71,8 @@ StateVector inertial_residual(const NavState& from, const NavState& to,
   j.setZero();
   i.block<3, 3>(kRotation, kRotation) = -J_inverse * to.R_world_imu.transpose() * from.R_world_imu;
   j.block<3, 3>(kRotation, kRotation) = J_inverse;
-  i.block<3, 3>(kRotation, kGyroBias) = -J_inverse * so3::exp(r_R).transpose() *
-                                        so3::right_jacobian(bias_turn) * measured.dR_dgyro;
+  i.block<3, 3>(kRotation, kGyroBias) =
+      -J_inverse * so3::exp(r_R).transpose() * so3::right_jacobian(bias_turn) * measured.dR_dgyro;
   i.block<3, 3>(kPosition, kRotation) = so3::hat(moved);
   i.block<3, 3>(kPosition, kPosition) = -Ri_inverse;
   j.block<3, 3>(kPosition, kPosition) = Ri_inverse;

@@ -9,14 +9,14 @@ namespace partita::fusion {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
-constexpr double kStillGyro = 0.02;     ///< rad/s
-constexpr double kStillAccel = 0.15;    ///< m/s^2
-constexpr double kSteadyGyro = 0.15;    ///< rad/s
-constexpr double kSteadyAccel = 1.5;    ///< m/s^2
+constexpr double kStillGyro = 0.02;      ///< rad/s
+constexpr double kStillAccel = 0.15;     ///< m/s^2
+constexpr double kSteadyGyro = 0.15;     ///< rad/s
+constexpr double kSteadyAccel = 1.5;     ///< m/s^2
 constexpr double kMostStillTurn = 0.15;  ///< mean rate, rad/s: a bias, no turn
-constexpr double kFreeYaw = 0.5;        ///< nothing depends on where a local world points to
-constexpr double kFreePosition = 10;    ///< nor on where its origin is
-constexpr double kLeastSpeed = 1.5;     ///< below it a course says nothing, m/s
+constexpr double kFreeYaw = 0.5;         ///< nothing depends on where a local world points to
+constexpr double kFreePosition = 10;     ///< nor on where its origin is
+constexpr double kLeastSpeed = 1.5;      ///< below it a course says nothing, m/s
 constexpr double kLeastCourseSeconds = 0.5;
 constexpr double kMostSpeed = 90;  ///< between fixes, m/s: faster ones are outliers
 constexpr std::size_t kLeastMotions = 8;
@@ -62,8 +62,8 @@ std::optional<GroundVelocity> ground_velocity(std::span<const GpsFix> fixes) {
   const double span = seconds_between(fixes.front().timestamp_ns, last.timestamp_ns);
   if (last.speed && last.course) {
     if (*last.speed < kLeastSpeed || span < kLeastCourseSeconds) return std::nullopt;
-    return GroundVelocity{
-        *last.speed * Vector3d(std::sin(*last.course), std::cos(*last.course), 0), 0.5};
+    return GroundVelocity{*last.speed * Vector3d(std::sin(*last.course), std::cos(*last.course), 0),
+                          0.5};
   }
   // A parabola in time through the last fixes: on a bend its slope at the end is the velocity then,
   // which a straight line's is not. Its standard deviation is about 9 sigma / (span sqrt(n)).
@@ -111,8 +111,8 @@ Rest observe_rest(std::span<const ImuSample> samples) {
   rest.steady = rest.seconds >= kRestSeconds && rest.gyro_deviation < kSteadyGyro &&
                 rest.accel_deviation < kSteadyAccel && rest.mean_gyro.norm() < kMostStillTurn &&
                 std::abs(rest.mean_accel.norm() - kGravity) < 0.1 * kGravity;
-  rest.still = rest.steady && rest.gyro_deviation < kStillGyro &&
-               rest.accel_deviation < kStillAccel;
+  rest.still =
+      rest.steady && rest.gyro_deviation < kStillGyro && rest.accel_deviation < kStillAccel;
   return rest;
 }
 
@@ -129,9 +129,8 @@ Initial initialise_at_rest(const Rest& rest, std::int64_t time_ns, const ImuNois
 }
 
 std::optional<Initial> initialise_by_gps(std::span<const ImuSample> samples,
-                                         std::span<const GpsFix> all,
-                                         const Matrix3d& R_imu_vehicle, const ImuNoise& noise,
-                                         double velocity_lag_seconds) {
+                                         std::span<const GpsFix> all, const Matrix3d& R_imu_vehicle,
+                                         const ImuNoise& noise, double velocity_lag_seconds) {
   const std::span<const GpsFix> fixes = last_consistent(all);
   if (fixes.size() < 2 || samples.empty()) return std::nullopt;
   const std::optional<GroundVelocity> moving = ground_velocity(fixes);
@@ -151,14 +150,13 @@ std::optional<Initial> initialise_by_gps(std::span<const ImuSample> samples,
   state.position = fixes.back().position;
   state.velocity = moving->velocity;
   if (fixes.back().course) {
-    state.velocity =
-        so3::exp(Vector3d(0, 0, gyro.dot(up) * velocity_lag_seconds)) * state.velocity;
+    state.velocity = so3::exp(Vector3d(0, 0, gyro.dot(up) * velocity_lag_seconds)) * state.velocity;
   }
   // Turn the levelled attitude so that the vehicle's nose points along the velocity.
   const Matrix3d levelled = level(up);
   const Vector3d nose = levelled * R_imu_vehicle.col(0);
-  const double turn = std::atan2(state.velocity.y(), state.velocity.x()) -
-                      std::atan2(nose.y(), nose.x());
+  const double turn =
+      std::atan2(state.velocity.y(), state.velocity.x()) - std::atan2(nose.y(), nose.x());
   state.R_world_imu = so3::normalised(so3::exp(Vector3d(0, 0, turn)) * levelled);
   const double yaw = std::min(0.5, moving->sigma / moving->velocity.head<2>().norm() + 2 * kDegree);
   // A car neither rolls nor pitches for long: what the gyro shows across the vertical is its bias.

@@ -1,4 +1,5 @@
-// Where an estimate begins: which way is down, how fast the vehicle is, what the gyro reads at rest.
+// Where an estimate begins: which way is down, how fast the vehicle is, what the gyro reads at
+// rest.
 #ifndef PARTITA_HOST_TASKS_FUSION_INITIALISE_H
 #define PARTITA_HOST_TASKS_FUSION_INITIALISE_H
 
@@ -35,9 +36,9 @@ struct Rest {
   double gyro_deviation = 0;   ///< root mean square about the mean, all axes, rad/s
   double accel_deviation = 0;  ///< m/s^2
 };
-/// Still: the readings scatter about their mean as little as a unit's own noise and a running engine
-/// make them. Even driving on a smooth road can look so: let another sensor confirm it where there
-/// is one. Needs kRestSeconds of readings.
+/// Still: the readings scatter about their mean as little as a unit's own noise and a running
+/// engine make them. Even driving on a smooth road can look so: let another sensor confirm it where
+/// there is one. Needs kRestSeconds of readings.
 Rest observe_rest(std::span<const ImuSample> samples);
 inline constexpr double kRestSeconds = 0.5;
 
@@ -61,9 +62,9 @@ struct TimedMotion {
   Pose T_from_to = Pose::Identity();  ///< camera
 };
 /// On the move, by vision: the gyro's bias is what its turns differ by from the camera's; gravity
-/// and the velocities are the solution of the linear equations that position and velocity increments
-/// give (as Qin and Shen, "VINS-Mono", T-RO 2018, section V-B, with stereo's known scale).
-/// `motions` follow each other without a gap. Nothing if they are too few or do not fit.
+/// and the velocities are the solution of the linear equations that position and velocity
+/// increments give (as Qin and Shen, "VINS-Mono", T-RO 2018, section V-B, with stereo's known
+/// scale). `motions` follow each other without a gap. Nothing if they are too few or do not fit.
 std::optional<Initial> initialise_by_vision(std::span<const ImuSample> samples,
                                             std::span<const TimedMotion> motions,
                                             const Pose& T_imu_cam, const ImuNoise& noise);

@@ -22,9 +22,9 @@ ImuSample between(const ImuSample& a, const ImuSample& b, std::int64_t time_ns) 
 
 /// The reading at a time: between its neighbours, or the nearest where there is only one.
 ImuSample at(std::span<const ImuSample> samples, std::int64_t time_ns) {
-  const auto next = std::lower_bound(
-      samples.begin(), samples.end(), time_ns,
-      [](const ImuSample& s, std::int64_t t) { return s.timestamp_ns < t; });
+  const auto next =
+      std::lower_bound(samples.begin(), samples.end(), time_ns,
+                       [](const ImuSample& s, std::int64_t t) { return s.timestamp_ns < t; });
   if (next != samples.end() && next->timestamp_ns == time_ns) return *next;
   if (next != samples.begin() && next != samples.end()) return between(*(next - 1), *next, time_ns);
   ImuSample s = next == samples.end() ? samples.back() : samples.front();
@@ -32,7 +32,19 @@ ImuSample at(std::span<const ImuSample> samples, std::int64_t time_ns) {
   return s;
 }
 
-double usual_step(std::span<const ImuSample> samples) {
+/// How far apart the readings before and after the end of a step are.
+double hole_around(std::span<const ImuSample> samples, std::int64_t end_ns) {
+  const auto next =
+      std::lower_bound(samples.begin(), samples.end(), end_ns,
+                       [](const ImuSample& s, std::int64_t t) { return s.timestamp_ns < t; });
+  if (next == samples.end()) return seconds_between(samples.back().timestamp_ns, end_ns);
+  if (next == samples.begin()) return seconds_between(end_ns, samples.front().timestamp_ns);
+  return seconds_between((next - 1)->timestamp_ns, next->timestamp_ns);
+}
+
+}  // namespace
+
+double Preintegration::usual_step(std::span<const ImuSample> samples) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < samples.size(); ++i) {
     steps.push_back(seconds_between(samples[i - 1].timestamp_ns, samples[i].timestamp_ns));
@@ -42,18 +54,6 @@ double usual_step(std::span<const ImuSample> samples) {
   std::nth_element(steps.begin(), middle, steps.end());
   return *middle;
 }
-
-/// How far apart the readings before and after the end of a step are.
-double hole_around(std::span<const ImuSample> samples, std::int64_t end_ns) {
-  const auto next = std::lower_bound(
-      samples.begin(), samples.end(), end_ns,
-      [](const ImuSample& s, std::int64_t t) { return s.timestamp_ns < t; });
-  if (next == samples.end()) return seconds_between(samples.back().timestamp_ns, end_ns);
-  if (next == samples.begin()) return seconds_between(end_ns, samples.front().timestamp_ns);
-  return seconds_between((next - 1)->timestamp_ns, next->timestamp_ns);
-}
-
-}  // namespace
 
 void Preintegration::step(const Vector3d& gyro, const Vector3d& accel, double h, bool blind) {
   const Vector3d w = gyro - bias_.gyro;
@@ -96,13 +96,13 @@ void Preintegration::step(const Vector3d& gyro, const Vector3d& accel, double h,
 }
 
 void Preintegration::integrate(std::span<const ImuSample> samples, std::int64_t from_ns,
-                               std::int64_t to_ns) {
+                               std::int64_t to_ns, double usual_seconds) {
   if (to_ns <= from_ns) return;
   if (samples.empty()) {
     step(bias_.gyro, bias_.accel, seconds_between(from_ns, to_ns), true);
     return;
   }
-  const double longest = kLongestHole * usual_step(samples);
+  const double longest = kLongestHole * (usual_seconds > 0 ? usual_seconds : usual_step(samples));
   std::vector<ImuSample> nodes{at(samples, from_ns)};
   for (const ImuSample& s : samples) {
     if (s.timestamp_ns > from_ns && s.timestamp_ns < to_ns) nodes.push_back(s);
@@ -122,8 +122,8 @@ NavState Preintegration::predict(const NavState& from) const {
   to.timestamp_ns = from.timestamp_ns + static_cast<std::int64_t>(std::llround(seconds_ * 1e9));
   to.R_world_imu = so3::normalised(from.R_world_imu * corrected_R(from.bias));
   to.velocity = from.velocity + gravity() * seconds_ + from.R_world_imu * corrected_v(from.bias);
-  to.position = from.position + from.velocity * seconds_ +
-                gravity() * (seconds_ * seconds_ / 2) + from.R_world_imu * corrected_p(from.bias);
+  to.position = from.position + from.velocity * seconds_ + gravity() * (seconds_ * seconds_ / 2) +
+                from.R_world_imu * corrected_p(from.bias);
   return to;
 }
 

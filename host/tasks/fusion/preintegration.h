@@ -38,8 +38,9 @@ class Preintegration {
 
   /// All that lies between the two times. `samples` are in order of time; what is missing at the
   /// ends or in between is filled with the neighbours' mean, and counts as blind where the hole is
-  /// more than kLongestHole times the usual step.
-  void integrate(std::span<const ImuSample> samples, std::int64_t from_ns, std::int64_t to_ns);
+  /// more than kLongestHole times the usual step (0: the median of these samples').
+  void integrate(std::span<const ImuSample> samples, std::int64_t from_ns, std::int64_t to_ns,
+                 double usual_seconds = 0);
 
   double seconds() const { return seconds_; }
   double bridged_seconds() const { return bridged_; }  ///< without readings of their own
@@ -72,6 +73,8 @@ class Preintegration {
   NavState predict(const NavState& from) const;
 
   static constexpr double kLongestHole = 4;
+  /// The median step between samples, in seconds.
+  static double usual_step(std::span<const ImuSample> samples);
 
  private:
   Bias bias_;

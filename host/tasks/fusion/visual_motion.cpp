@@ -12,8 +12,8 @@ constexpr double kDisparitySigma = 0.3;
 constexpr double kLeastDisparity = 1.5;
 constexpr double kIndependent = 0.25;  ///< share of the information that counts
 /// Vision is never better than this between two frames: exposure, rolling, time stamps.
-constexpr double kLeastTurnSigma = 5e-5;  ///< rad
-constexpr double kLeastShiftSigma = 5e-4; ///< metres
+constexpr double kLeastTurnSigma = 5e-5;   ///< rad
+constexpr double kLeastShiftSigma = 5e-4;  ///< metres
 constexpr double kGuessTurnSigma = 0.05;
 constexpr double kGuessShiftSigma = 0.5;
 
@@ -64,8 +64,7 @@ void VisualTrack::add(const frontend::FrontendResult& result, std::int64_t times
     const std::int64_t wanted = result.tracked ? result.reference : numbers_.back();
     const auto reference = std::find(numbers_.rbegin(), numbers_.rend(), wanted);
     if (reference != numbers_.rend()) {
-      const VisualFrame& from =
-          frames_[static_cast<std::size_t>(numbers_.rend() - reference) - 1];
+      const VisualFrame& from = frames_[static_cast<std::size_t>(numbers_.rend() - reference) - 1];
       VisualMotion motion;
       motion.T_from_to = from.T_world_cam.inverse() * result.T_world_cam;
       motion.information = result.tracked ? motion_information(result.features, calibration_)

@@ -2,8 +2,8 @@
 #ifndef PARTITA_HOST_TASKS_FUSION_VISUAL_MOTION_H
 #define PARTITA_HOST_TASKS_FUSION_VISUAL_MOTION_H
 
-#include "host/tasks/fusion/drive.h"
 #include "host/tasks/frontend/frontend.h"
+#include "host/tasks/fusion/drive.h"
 
 namespace partita::fusion {
 

@@ -144,7 +144,8 @@ void Window::marginalise_oldest() {
   Eigen::VectorXd g = Eigen::VectorXd::Zero(size);
   double ignored = 0;
   for (const FactorPtr& factor : leaving) {
-    accumulate(*factor, states_, [&](StateId id) { return offsets.at(id); }, H, g, ignored);
+    accumulate(
+        *factor, states_, [&](StateId id) { return offsets.at(id); }, H, g, ignored);
   }
   // Schur complement on what stays: H' = Hss - Hso Hoo^-1 Hos, and likewise the gradient.
   const Eigen::Index rest = size - kStateSize;
@@ -174,8 +175,8 @@ void Window::marginalise_oldest() {
       at.push_back(states_.at(id));
     }
     const Eigen::MatrixXd V = eigen.eigenvectors().transpose();
-    factors_.push_back(linear_factor(std::move(ids), std::move(at),
-                                     inverse.asDiagonal() * (V * s), root.asDiagonal() * V));
+    factors_.push_back(linear_factor(std::move(ids), std::move(at), inverse.asDiagonal() * (V * s),
+                                     root.asDiagonal() * V));
   }
   states_.values.pop_front();
   ++states_.first;

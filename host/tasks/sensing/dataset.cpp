@@ -44,9 +44,12 @@ std::vector<fs::path> choose_csv(const std::string& folder, std::vector<std::str
       continue;
     }
     if (!contents.time) continue;
-    if (contents.imu && contents.gps) both.push_back(path);
-    else if (contents.imu) imu.push_back(path);
-    else if (contents.gps) gps.push_back(path);
+    if (contents.imu && contents.gps)
+      both.push_back(path);
+    else if (contents.imu)
+      imu.push_back(path);
+    else if (contents.gps)
+      gps.push_back(path);
   }
   const auto one = [&](const std::vector<fs::path>& files, const char* what) {
     if (files.size() < 2) return;
@@ -107,9 +110,10 @@ Dataset open_dataset(const std::string& path) {
   if (fs::is_regular_file(folder)) return open_drive_csv(path);
   if (!fs::is_directory(folder)) throw Error(fmt::format("data set '{}': no such folder", path));
   if (io::is_partial(path)) {
-    throw Error(fmt::format("data set '{}': incomplete, its writing was interrupted (it holds the "
-                            "mark PARTIAL)",
-                            path));
+    throw Error(
+        fmt::format("data set '{}': incomplete, its writing was interrupted (it holds the "
+                    "mark PARTIAL)",
+                    path));
   }
   if (fs::is_directory(folder / "mav0") || fs::is_directory(folder / "imu0")) {
     return open_euroc(path);

@@ -11,7 +11,7 @@
 namespace partita::sensing {
 
 struct Dataset {
-  std::string kind;                     ///< "KITTI odometry", "KITTI raw", "EuRoC", "CSV", "scenario"
+  std::string kind;  ///< "KITTI odometry", "KITTI raw", "EuRoC", "CSV", "scenario"
   std::unique_ptr<FrameSource> frames;  ///< null: no pictures
   SensorLog log;
 };

@@ -78,9 +78,8 @@ std::vector<Tick> ticks(const CsvFile& file, const DriveClockColumns& columns) {
   for (std::size_t row = 0; row < file.rows(); ++row) {
     const std::string_view cell = file.cell(row, *columns.receiver);
     if (cell.empty() || cell == last) continue;
-    const auto seconds = columns.receiver_is_time_of_day
-                             ? time_of_day(file, row, *columns.receiver)
-                             : file.value(row, *columns.receiver);
+    const auto seconds = columns.receiver_is_time_of_day ? time_of_day(file, row, *columns.receiver)
+                                                         : file.value(row, *columns.receiver);
     if (!seconds) continue;
     // The first row's tick began before the file did.
     const bool begins = !last.empty() || row > 0;
@@ -144,8 +143,8 @@ Times drive_times(const CsvFile& file, const DriveClockColumns& columns,
   const std::vector<Tick> known = ticks(file, columns);
   if (known.size() < 3) {
     if (columns.logger) return times;
-    file.fail(0, fmt::format("the receiver's clock ticks {} times, expected 3 or more",
-                             known.size()));
+    file.fail(0,
+              fmt::format("the receiver's clock ticks {} times, expected 3 or more", known.size()));
   }
   // Whole days between the receiver's time of day and the logger's date.
   double days = 0;
@@ -170,9 +169,10 @@ Times drive_times(const CsvFile& file, const DriveClockColumns& columns,
   }
   if (!lags.empty()) {
     const auto [least, most] = std::minmax_element(lags.begin(), lags.end());
-    notices.push_back(fmt::format("{}: rows are placed on the receiver's clock; the logger's "
-                                  "stamps are off it by {:+.2f} to {:+.2f} s",
-                                  file.path(), *least, *most));
+    notices.push_back(
+        fmt::format("{}: rows are placed on the receiver's clock; the logger's "
+                    "stamps are off it by {:+.2f} to {:+.2f} s",
+                    file.path(), *least, *most));
   }
   return times;
 }

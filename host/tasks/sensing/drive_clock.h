@@ -1,9 +1,9 @@
 // Which time a row of a drive's CSV belongs to.
 //
-// A logger stamps rows when it writes them, seconds after they were measured at times; the receiver's
-// clock is exact but only ticks with its fixes. Where a file has both, rows are placed on the
-// receiver's clock: the unit samples evenly, so that a row's time is the line through the ticks
-// around it.
+// A logger stamps rows when it writes them, seconds after they were measured at times; the
+// receiver's clock is exact but only ticks with its fixes. Where a file has both, rows are placed
+// on the receiver's clock: the unit samples evenly, so that a row's time is the line through the
+// ticks around it.
 #ifndef PARTITA_HOST_TASKS_SENSING_DRIVE_CLOCK_H
 #define PARTITA_HOST_TASKS_SENSING_DRIVE_CLOCK_H
 

@@ -77,7 +77,8 @@ void settle_conventions(SensorLog& log) {
   Eigen::Index axis = 0;
   if (!(mean.cwiseAbs().maxCoeff(&axis) > kVertical * mean.norm()) || axis != 2) {
     log.notices.push_back(
-        "the unit's z axis is not vertical: nothing is known of where the vehicle's nose is, wheels "
+        "the unit's z axis is not vertical: nothing is known of where the vehicle's nose is, "
+        "wheels "
         "do not count");
     return;
   }
@@ -109,7 +110,8 @@ void measure_noise(SensorLog& log) {
   const auto density = [seconds](std::vector<double>& steps) {
     const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
     std::nth_element(steps.begin(), middle, steps.end());
-    // The median length of a difference of two readings, in three dimensions, is 1.54 sqrt(2) sigma.
+    // The median length of a difference of two readings, in three dimensions, is 1.54 sqrt(2)
+    // sigma.
     return 4 * *middle / (1.54 * std::sqrt(2.0)) * std::sqrt(seconds);
   };
   constexpr double kLeastGyro = 1e-4, kLeastAccel = 2e-3;  // no unit is better than that in use

@@ -16,7 +16,7 @@ using io::CsvFile;
 using Column = std::optional<std::size_t>;
 
 constexpr double kRadians = 3.14159265358979323846 / 180;
-constexpr double kUsualSigma = 3.0;   ///< of a receiver that does not say, metres
+constexpr double kUsualSigma = 3.0;  ///< of a receiver that does not say, metres
 constexpr double kLeastSigma = 0.01;
 constexpr double kMovingSpeed = 2.0;  ///< in whatever unit: positions that are held are stale
 
@@ -42,10 +42,10 @@ struct Columns {
                           {"gyro_{}", "gyro{}", "w_rs_s_{}", "w{}", "angular_velocity_{}",
                            "angular_velocity.{}", "field.angular_velocity.{}", "gyr_{}"});
       if (!gyro[i]) gyro[i] = file.find({kTurns[i]});
-      accel[i] = find_axis(file, kAxes[i],
-                           {"accel_{}", "a{}", "a_rs_s_{}", "acc_{}", "acc{}",
-                            "linear_acceleration_{}", "linear_acceleration.{}",
-                            "field.linear_acceleration.{}"});
+      accel[i] =
+          find_axis(file, kAxes[i],
+                    {"accel_{}", "a{}", "a_rs_s_{}", "acc_{}", "acc{}", "linear_acceleration_{}",
+                     "linear_acceleration.{}", "field.linear_acceleration.{}"});
     }
     latitude = file.find({"latitude", "lat"});
     longitude = file.find({"longitude", "lon", "lng"});
@@ -72,7 +72,8 @@ std::optional<double> optional_value(const CsvFile& file, std::size_t row, const
 
 double gyro_scale(const CsvFile& file, std::size_t column) {
   const io::CsvColumn& c = file.columns()[column];
-  const bool degrees = c.unit.find("deg") != std::string::npos || c.unit.find("°") != std::string::npos;
+  const bool degrees =
+      c.unit.find("deg") != std::string::npos || c.unit.find("°") != std::string::npos;
   return degrees || (c.unit.empty() && c.name.ends_with("rate")) ? kRadians : 1.0;
 }
 
@@ -167,8 +168,8 @@ std::optional<Eigen::Vector3d> position_at(const CsvFile& file, std::size_t row,
   const auto longitude = file.value(row, *columns.longitude);
   if (!latitude || !longitude || (*latitude == 0 && *longitude == 0)) return std::nullopt;
   if (std::abs(*latitude) > 90 || std::abs(*longitude) > 360) {
-    file.fail(row, fmt::format("latitude {} and longitude {}, expected degrees", *latitude,
-                               *longitude));
+    file.fail(row,
+              fmt::format("latitude {} and longitude {}, expected degrees", *latitude, *longitude));
   }
   const Geodetic place{*latitude, *longitude,
                        optional_value(file, row, columns.altitude).value_or(0)};
@@ -192,8 +193,8 @@ void read_fixes(const CsvFile& file, const Columns& columns,
     GpsFix fix;
     fix.timestamp_ns = *times[row];
     fix.position = *position;
-    fix.sigma = std::max(kLeastSigma,
-                         optional_value(file, row, columns.sigma).value_or(kUsualSigma));
+    fix.sigma =
+        std::max(kLeastSigma, optional_value(file, row, columns.sigma).value_or(kUsualSigma));
     const auto course = optional_value(file, row, columns.course);
     if (speed && *speed >= 0 && course) {
       fix.speed = *speed;
@@ -236,9 +237,10 @@ void read_drive_csv(const std::string& path, SensorLog& log, std::optional<Local
     throw Error(fmt::format("{}: no column of time, expected timestamp_ns, millis, time …", path));
   }
   if (!columns.imu() && !columns.gps()) {
-    throw Error(fmt::format("{}: neither inertial readings (gyro_x … accel_z) nor positions "
-                            "(latitude, longitude or east, north) among its columns",
-                            path));
+    throw Error(
+        fmt::format("{}: neither inertial readings (gyro_x … accel_z) nor positions "
+                    "(latitude, longitude or east, north) among its columns",
+                    path));
   }
   const auto times = drive_times(file, columns.clock, log.notices);
   if (columns.imu()) read_imu_columns(file, columns, times, log);

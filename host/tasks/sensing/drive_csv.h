@@ -27,8 +27,8 @@ CsvContents csv_contents(const io::CsvFile& file);
 void read_drive_csv(const std::string& path, SensorLog& log, std::optional<LocalMap>& origin);
 
 /// Turns readings of a unit that is mounted or signed differently into the conventions of SensorLog
-/// (specific force: +9.81 upwards at rest; x forward, y left, z up), as far as gravity and the turns
-/// of the GPS's course show it. For logs without a calibration only.
+/// (specific force: +9.81 upwards at rest; x forward, y left, z up), as far as gravity and the
+/// turns of the GPS's course show it. For logs without a calibration only.
 void settle_conventions(SensorLog& log);
 
 /// Noise densities of a unit without a data sheet: what neighbouring readings differ by, four times

@@ -99,8 +99,8 @@ EurocCamera read_camera(const fs::path& path) {
 ImuNoise read_noise(const fs::path& path) {
   const YAML::Node node = read_yaml(path);
   if (!read_T_BS(path, node).isApprox(Pose::Identity(), 1e-9)) {
-    throw Error(fmt::format("{}: T_BS is not the identity, expected the unit as the body",
-                            path.string()));
+    throw Error(
+        fmt::format("{}: T_BS is not the identity, expected the unit as the body", path.string()));
   }
   const auto density = [&](const char* key, double usual) {
     if (!node[key]) return usual;
@@ -151,8 +151,8 @@ std::vector<Picture> read_pictures(const fs::path& camera, std::vector<std::stri
     }
   }
   if (absent > 0) {
-    notices.push_back(fmt::format("{}: {} of its {} pictures are not there", list.path(), absent,
-                                  list.rows()));
+    notices.push_back(
+        fmt::format("{}: {} of its {} pictures are not there", list.path(), absent, list.rows()));
   }
   return pictures;
 }
@@ -165,9 +165,11 @@ class EurocSource final : public FrameSource {
     if (left.raw.width != right.raw.width || left.raw.height != right.raw.height) {
       throw Error(fmt::format("{}: the two cameras differ in size", folder.string()));
     }
-    const Rectification r = rectify(left.raw, right.raw, left.T_imu_cam.inverse() * right.T_imu_cam);
+    const Rectification r =
+        rectify(left.raw, right.raw, left.T_imu_cam.inverse() * right.T_imu_cam);
     if (!(r.calibration.baseline > 1e-3)) {
-      throw Error(fmt::format("{}: both cameras at one place, expected a base line", folder.string()));
+      throw Error(
+          fmt::format("{}: both cameras at one place, expected a base line", folder.string()));
     }
     calibration_ = r.calibration;
     left_map_ = std::make_unique<RectifyMap>(left.raw, r.R_rect_left, calibration_);
@@ -256,10 +258,10 @@ std::vector<TimedPose> read_truth(const fs::path& folder) {
                             column({"p_rs_r_z", "pz"})};
   const std::size_t q[4] = {column({"q_rs_w", "qw"}), column({"q_rs_x", "qx"}),
                             column({"q_rs_y", "qy"}), column({"q_rs_z", "qz"})};
-  const auto vector = [&csv](std::size_t row, std::initializer_list<std::string_view> x,
-                             std::initializer_list<std::string_view> y,
-                             std::initializer_list<std::string_view> z)
-      -> std::optional<Eigen::Vector3d> {
+  const auto vector =
+      [&csv](std::size_t row, std::initializer_list<std::string_view> x,
+             std::initializer_list<std::string_view> y,
+             std::initializer_list<std::string_view> z) -> std::optional<Eigen::Vector3d> {
     const auto cx = csv.find(x), cy = csv.find(y), cz = csv.find(z);
     if (!cx || !cy || !cz) return std::nullopt;
     const auto vx = csv.value(row, *cx), vy = csv.value(row, *cy), vz = csv.value(row, *cz);
@@ -285,7 +287,8 @@ std::vector<TimedPose> read_truth(const fs::path& folder) {
     pose.T_world_imu.linear() = rotation.normalized().toRotationMatrix();
     pose.T_world_imu.translation() = Eigen::Vector3d(values[0], values[1], values[2]);
     pose.velocity = vector(row, {"v_rs_r_x", "vx"}, {"v_rs_r_y", "vy"}, {"v_rs_r_z", "vz"});
-    pose.gyro_bias = vector(row, {"b_w_rs_s_x", "bwx"}, {"b_w_rs_s_y", "bwy"}, {"b_w_rs_s_z", "bwz"});
+    pose.gyro_bias =
+        vector(row, {"b_w_rs_s_x", "bwx"}, {"b_w_rs_s_y", "bwy"}, {"b_w_rs_s_z", "bwz"});
     pose.accel_bias =
         vector(row, {"b_a_rs_s_x", "bax"}, {"b_a_rs_s_y", "bay"}, {"b_a_rs_s_z", "baz"});
     if (!truth.empty() && pose.timestamp_ns <= truth.back().timestamp_ns) {

@@ -36,7 +36,9 @@ void ImuCheck::drop_saturated() {
       std::size_t end = i + 1;
       if (std::abs(value(i)) >= extreme) {
         while (end < samples_.size() && value(end) == value(i)) ++end;
-        if (end - i >= 3) std::fill(drop.begin() + static_cast<long>(i), drop.begin() + static_cast<long>(end), true);
+        if (end - i >= 3)
+          std::fill(drop.begin() + static_cast<long>(i), drop.begin() + static_cast<long>(end),
+                    true);
       }
       i = end;
     }
@@ -82,10 +84,10 @@ std::vector<ImuSample> ImuCheck::finish(std::vector<std::string>& notices) {
     longest = std::max(longest, steps[i]);
   }
   if (holes.count > 0) {
-    notices.push_back(fmt::format("{}:{}: inertial readings are missing before it; {} such holes, "
-                                  "the longest of {:.3f} s, are bridged",
-                                  path_, holes.line, holes.count,
-                                  static_cast<double>(longest) * 1e-9));
+    notices.push_back(
+        fmt::format("{}:{}: inertial readings are missing before it; {} such holes, "
+                    "the longest of {:.3f} s, are bridged",
+                    path_, holes.line, holes.count, static_cast<double>(longest) * 1e-9));
   }
   return std::move(samples_);
 }

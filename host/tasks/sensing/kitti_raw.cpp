@@ -1,6 +1,8 @@
 // KITTI raw recordings (Geiger et al., "Vision meets robotics: the KITTI dataset", IJRR 2013):
-//   image_00, image_01   timestamps.txt, data/NNNNNNNNNN.png; gray stereo, rectified ("sync") or not
-//                        ("extract"): the pictures' size tells, and those that are not are rectified
+//   image_00, image_01   timestamps.txt, data/NNNNNNNNNN.png; gray stereo, rectified ("sync") or
+//   not
+//                        ("extract"): the pictures' size tells, and those that are not are
+//                        rectified
 //   calib_cam_to_cam.txt, calib_imu_to_velo.txt, calib_velo_to_cam.txt   here, in a folder here, or
 //                        one above; the last two only where OXTS is used
 //   oxts/ or oxts_sparse.csv   see oxts.h, optional
@@ -104,8 +106,8 @@ StereoCalibration rectified(const CalibrationFile& file) {
   c.baseline = (left[3] - right[3]) / left[0];
   if (!(c.fx > 1 && c.fy > 1 && c.baseline > 1e-3 && size[0] >= 16 && size[1] >= 16 &&
         size[0] <= 8192 && size[1] <= 8192)) {
-    throw Error(fmt::format("{}: P_rect_00, P_rect_01 and S_rect_00 are no stereo pair's",
-                            file.path()));
+    throw Error(
+        fmt::format("{}: P_rect_00, P_rect_01 and S_rect_00 are no stereo pair's", file.path()));
   }
   c.width = static_cast<int>(size[0]);
   c.height = static_cast<int>(size[1]);
@@ -177,14 +179,17 @@ class KittiRawSource final : public FrameSource {
       }
       pairs_.push_back({k, left[k]});
     }
-    if (alone > 0) notices_.push_back(fmt::format("{}: {} pictures have no partner", folder_.string(), alone));
+    if (alone > 0)
+      notices_.push_back(fmt::format("{}: {} pictures have no partner", folder_.string(), alone));
     if (apart > 0) {
-      notices_.push_back(fmt::format("{}: {} pairs are out of sync and left out", folder_.string(), apart));
+      notices_.push_back(
+          fmt::format("{}: {} pairs are out of sync and left out", folder_.string(), apart));
     }
     if (pairs_.empty()) {
-      throw Error(fmt::format("{}: no stereo pair, expected image_00/data/0000000000.png and "
-                              "image_01/data/0000000000.png …",
-                              folder_.string()));
+      throw Error(
+          fmt::format("{}: no stereo pair, expected image_00/data/0000000000.png and "
+                      "image_01/data/0000000000.png …",
+                      folder_.string()));
     }
   }
 
@@ -217,9 +222,10 @@ class KittiRawSource final : public FrameSource {
 Dataset open_kitti_raw(const std::string& folder) {
   const std::optional<fs::path> calibration = find_calibration(folder);
   if (!calibration) {
-    throw Error(fmt::format("data set '{}': no calib_cam_to_cam.txt here, in a folder here, or one "
-                            "above",
-                            folder));
+    throw Error(
+        fmt::format("data set '{}': no calib_cam_to_cam.txt here, in a folder here, or one "
+                    "above",
+                    folder));
   }
   const CalibrationFile cameras((*calibration / "calib_cam_to_cam.txt").string());
   auto source = std::make_unique<KittiRawSource>(folder, cameras);

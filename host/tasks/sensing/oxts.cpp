@@ -32,8 +32,23 @@ struct OxtsRow {
 };
 
 /// lat lon alt roll pitch yaw vn ve vf vl vu ax ay az af al au wx wy wz …
-enum : std::size_t { kLat, kLon, kAlt, kRoll, kPitch, kYaw, kVn, kVe, kVf, kVl, kVu, kAx, kAf = 14,
-                     kWx = 17, kFields = 20 };
+enum : std::size_t {
+  kLat,
+  kLon,
+  kAlt,
+  kRoll,
+  kPitch,
+  kYaw,
+  kVn,
+  kVe,
+  kVf,
+  kVl,
+  kVu,
+  kAx,
+  kAf = 14,
+  kWx = 17,
+  kFields = 20
+};
 
 OxtsRow row_of(const double* v) {
   OxtsRow row;
@@ -60,10 +75,10 @@ class OxtsLog {
     TimedPose pose;
     pose.timestamp_ns = row.timestamp_ns;
     using Eigen::AngleAxisd, Eigen::Vector3d;
-    pose.T_world_imu.linear() = (AngleAxisd(row.yaw, Vector3d::UnitZ()) *
-                                 AngleAxisd(row.pitch, Vector3d::UnitY()) *
-                                 AngleAxisd(row.roll, Vector3d::UnitX()))
-                                    .toRotationMatrix();
+    pose.T_world_imu.linear() =
+        (AngleAxisd(row.yaw, Vector3d::UnitZ()) * AngleAxisd(row.pitch, Vector3d::UnitY()) *
+         AngleAxisd(row.roll, Vector3d::UnitX()))
+            .toRotationMatrix();
     pose.T_world_imu.translation() = map_->to_map(row.place);
     pose.velocity = Vector3d(row.east, row.north, row.up);
     log_.truth.push_back(pose);
@@ -131,8 +146,8 @@ void read_folder(const fs::path& folder, SensorLog& log) {
   }
   out.finish();
   if (absent > 0) {
-    log.notices.push_back(fmt::format("{}: {} of {} rows are not there", folder.string(), absent,
-                                      times.size()));
+    log.notices.push_back(
+        fmt::format("{}: {} of {} rows are not there", folder.string(), absent, times.size()));
   }
 }
 

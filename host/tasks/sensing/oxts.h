@@ -14,9 +14,10 @@ namespace partita::sensing {
 /// file and line; the times increase.
 std::vector<std::int64_t> read_kitti_timestamps(const std::string& path);
 
-/// Adds readings (the unit's axes: x forward, y left, z up) and poses (as the truth, east-north-up of
-/// the first one) from `folder`: oxts/data/*.txt with oxts/timestamps.txt, or oxts_sparse.csv, whose
-/// first column counts hundredths of a second from `start_ns`. Nothing where neither is there.
+/// Adds readings (the unit's axes: x forward, y left, z up) and poses (as the truth, east-north-up
+/// of the first one) from `folder`: oxts/data/*.txt with oxts/timestamps.txt, or oxts_sparse.csv,
+/// whose first column counts hundredths of a second from `start_ns`. Nothing where neither is
+/// there.
 void read_oxts(const std::string& folder, std::int64_t start_ns, SensorLog& log);
 
 }  // namespace partita::sensing

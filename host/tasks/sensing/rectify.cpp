@@ -27,7 +27,8 @@ RectifyMap::RectifyMap(const RawCamera& raw, const Eigen::Matrix3d& R_rect_raw,
       const Eigen::Vector3d ray = to_raw * Eigen::Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1);
       if (!(ray.z() > 0.05)) continue;
       const Eigen::Vector2d p = raw.project(ray);
-      if (!(p.x() >= 0 && p.y() >= 0 && p.x() < raw_width_ - 1 && p.y() < raw_height_ - 1)) continue;
+      if (!(p.x() >= 0 && p.y() >= 0 && p.x() < raw_width_ - 1 && p.y() < raw_height_ - 1))
+        continue;
       const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y());
       Source& s = sources_[static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) +
                            static_cast<std::size_t>(u)];

@@ -28,14 +28,14 @@ class RectifyMap {
   /// `R_rect_raw` takes a ray of the raw camera's axes to the rectified one's.
   RectifyMap(const RawCamera& raw, const Eigen::Matrix3d& R_rect_raw,
              const StereoCalibration& rectified);
-  /// Throws Error where the picture is not of the raw camera's size. Pixels that the raw camera does
-  /// not see are black.
+  /// Throws Error where the picture is not of the raw camera's size. Pixels that the raw camera
+  /// does not see are black.
   GrayImage apply(const GrayImage& raw) const;
 
  private:
   int raw_width_, raw_height_, width_, height_;
   struct Source {
-    std::int32_t at = -1;  ///< offset of the upper left of four pixels; -1: outside
+    std::int32_t at = -1;        ///< offset of the upper left of four pixels; -1: outside
     std::uint16_t x = 0, y = 0;  ///< weights of the right and lower ones, 1/256
   };
   std::vector<Source> sources_;
