@@ -23,7 +23,8 @@ TEST_P(TrackingProgram, IsWhatTheTaskEnqueues) {
   const runtime::Device device = runtime::select_device(runtime::find_devices(), GetParam());
   runtime::SessionOptions options;
   if (!device.accepts_source) {
-    options.container = container_for(device, "dragonfly", runtime::Execute::own, "");
+    options.container = container_for(device, "dragonfly", runtime::Execute::own, "",
+                                      tracking::kernel_specs());
   }
   const runtime::Session session(device, tracking::kernel_specs(), options);
   session.extension().bind_thread("tracking", 0, device);
