@@ -95,8 +95,9 @@ Reader Reader::parse(const std::string& text, const std::string& path,
     reader.inherit(root, reader.source_, reader.date_, "");
     return reader;
   } catch (const YAML::Exception& e) {
+    // The message may quote the file's own bytes, a line's end among them.
     throw Error(path + ":" + std::to_string(std::max(e.mark.line, 0) + 1) +
-                ": not valid YAML: " + e.msg);
+                ": not valid YAML: " + e.msg.substr(0, e.msg.find_first_of("\r\n")));
   }
 }
 

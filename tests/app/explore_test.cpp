@@ -81,7 +81,7 @@ TEST_F(Explore, TheDocumentSaysWhatWasAskedOfWhat) {
     EXPECT_EQ(hash.get<std::string>().size(), 16u);
   }
   EXPECT_EQ(inputs["workload"]["origin"], "typical counts");
-  EXPECT_THAT(inputs["workload"]["by_work_alone"], ::testing::Contains("detection"));
+  EXPECT_THAT(inputs["workload"]["by_work_alone"], ::testing::Contains("backend"));
   EXPECT_THAT(inputs["workload"]["by_work_alone"], Not(::testing::Contains("depth")));
   EXPECT_EQ(document["options"]["pins"], json::array({"depth=gpu"}));
   EXPECT_EQ(document["options"]["limits"], json({{"power", "60 W"}}));
@@ -126,7 +126,7 @@ TEST_F(Explore, TextSaysWhatTheDocumentSays) {
                 best["vehicle"]["driving_hours"].get<double>());
   EXPECT_THAT(outcome.out,
               AllOf(HasSubstr(p99), HasSubstr(hours), HasSubstr("(predicted)"),
-                    HasSubstr("typical counts"), HasSubstr("the optimum"), HasSubstr("detection *"),
+                    HasSubstr("typical counts"), HasSubstr("the optimum"), HasSubstr("backend *"),
                     HasSubstr("by its Work alone"), HasSubstr("critical path: "),
                     HasSubstr("busiest engine: "), HasSubstr("what would help: "),
                     HasSubstr("next best"), HasSubstr("Pareto front of dragonfly")));
@@ -172,7 +172,7 @@ TEST_F(Explore, ThePlotsShowEverythingWithUnits) {
   EXPECT_EQ(count(pareto, "<polygon "), 2u);  // the best, and the sample of it
   const std::string schedule = bytes("out", "schedule.svg");
   for (const char* text : {"(predicted)", ">gtx1060<", "ms since the trigger of frame 45",
-                           ">frame 46<", "detection *", "* by its Work alone"}) {
+                           ">frame 46<", "backend *", "* by its Work alone"}) {
     EXPECT_THAT(schedule, HasSubstr(text));
   }
   for (const char* file : {"pareto.png", "schedule.png"}) {

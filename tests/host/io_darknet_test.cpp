@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +11,7 @@
 #include "host/io/file.h"
 #include "host/runtime/error.h"
 #include "tests/host/darknet_networks.h"
+#include "tests/host/fuzz_text.h"
 #include "tests/host/io_temp_folder.h"
 
 namespace partita::io::darknet {
@@ -157,43 +157,14 @@ TEST(Weights, ThatDoNotFitAreNamed) {
   EXPECT_THAT(with(61, -1.0F), HasSubstr("layer 0: variance 1 is -1"));
 }
 
-std::string mutated(std::string text, std::mt19937& random) {
-  static const std::vector<std::string> kWords = {
-      "nan", "-",  "1e999", "\n",   " ",   "",     "=",       ",",  "#",         "[yolo]",    "-1",
-      "0",   "99", "[",     "]\n[", "x\n", "\xff", "groups=", "2,", "[route]\n", "9999999999"};
-  const auto pick = [&random](std::size_t size) { return random() % size; };
-  for (std::size_t edits = 1 + pick(4); edits > 0; --edits) {
-    const std::size_t at = pick(text.size() + 1);
-    switch (pick(4)) {
-      case 0:
-        text.insert(at, kWords[pick(kWords.size())]);
-        break;
-      case 1:
-        text.erase(at, pick(12));
-        break;
-      case 2:
-        if (at < text.size()) text[at] = static_cast<char>(pick(256));
-        break;
-      default:
-        text.resize(pick(4) == 0 ? at : text.size());
-    }
-  }
-  return text;
-}
+const std::vector<std::string> kWords = {
+    "nan", "-",  "1e999", "\n",   " ",   "",     "=",       ",",  "#",         "[yolo]",    "-1",
+    "0",   "99", "[",     "]\n[", "x\n", "\xff", "groups=", "2,", "[route]\n", "9999999999"};
 
+/// How many of the mutations were refused.
 template <class Read>
 int refused_of(const std::string& valid, int rounds, Read read) {
-  std::mt19937 random(12345);
-  int refused = 0;
-  for (int i = 0; i < rounds; ++i) {
-    try {
-      read(mutated(valid, random));
-    } catch (const Error& e) {
-      ++refused;
-      EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
-    }
-  }
-  return refused;
+  return partita::testing::refused_mutations(valid, kWords, rounds, read);
 }
 
 TEST(DarknetFuzz, Cfg) {

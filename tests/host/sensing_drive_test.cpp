@@ -1,7 +1,6 @@
 // The readers of drives: columns by their names, clocks, what is left out and what is refused; and
 // thousands of damaged files, each of which must end in a drive or in an Error of one line.
 #include <filesystem>
-#include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,6 +13,7 @@
 #include "host/tasks/sensing/geodesy.h"
 #include "host/tasks/sensing/oxts.h"
 #include "host/tasks/sensing/rectify.h"
+#include "tests/host/fuzz_text.h"
 #include "tests/host/io_temp_folder.h"
 
 namespace partita::sensing {
@@ -153,46 +153,16 @@ TEST(Rectify, RowsAgreeAndDisparityIsDepth) {
   }
 }
 
-std::string mutated(std::string text, std::mt19937& random) {
-  static const std::vector<std::string> kWords = {"nan", "-",        "1e999",
-                                                  ",",   "\n",       "",
-                                                  "#",   "inf",      "99999999999999999999",
-                                                  "[",   ";",        "1e-320",
-                                                  ":",   "\xff\xfe", std::string(1, '\0')};
-  const auto pick = [&random](std::size_t size) { return random() % size; };
-  for (std::size_t edits = 1 + pick(4); edits > 0; --edits) {
-    const std::size_t at = pick(text.size() + 1);
-    switch (pick(4)) {
-      case 0:
-        text.insert(at, kWords[pick(kWords.size())]);
-        break;
-      case 1:
-        text.erase(at, pick(12));
-        break;
-      case 2:
-        if (at < text.size()) text[at] = static_cast<char>(pick(256));
-        break;
-      default:
-        text.resize(pick(4) == 0 ? at : text.size());
-    }
-  }
-  return text;
-}
+const std::vector<std::string> kWords = {"nan", "-",        "1e999",
+                                         ",",   "\n",       "",
+                                         "#",   "inf",      "99999999999999999999",
+                                         "[",   ";",        "1e-320",
+                                         ":",   "\xff\xfe", std::string(1, '\0')};
 
+/// How many of the mutations were refused.
 template <class Read>
 int fuzz(const std::string& valid, int rounds, Read read) {
-  std::mt19937 random(4711);
-  int refused = 0;
-  for (int i = 0; i < rounds; ++i) {
-    const std::string text = mutated(valid, random);
-    try {
-      read(text);
-    } catch (const Error& e) {
-      ++refused;
-      EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
-    }
-  }
-  return refused;
+  return testing::refused_mutations(valid, kWords, rounds, read);
 }
 
 TEST(DriveFuzz, Csv) {

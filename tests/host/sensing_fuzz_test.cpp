@@ -1,6 +1,5 @@
 // The readers of text and pictures get thousands of damaged inputs: each must end in a value or in
 // an Error of one line. Meant for the address sanitizer's build, and run in every other one too.
-#include <random>
 
 #include <gtest/gtest.h>
 
@@ -14,6 +13,7 @@
 #include "host/tasks/sensing/kitti_calibration.h"
 #include "host/tasks/sensing/sensor_files.h"
 #include "host/tasks/sensing/stereo_calibration.h"
+#include "tests/host/fuzz_text.h"
 #include "tests/host/io_temp_folder.h"
 
 namespace partita::sensing {
@@ -21,59 +21,28 @@ namespace {
 
 using testing::TempFolder;
 
-std::string mutated(std::string text, std::mt19937& random) {
-  static const std::vector<std::string> kWords = {"nan",
-                                                  "-",
-                                                  "1e999",
-                                                  "e",
-                                                  "\n",
-                                                  " ",
-                                                  "",
-                                                  ":",
-                                                  "#",
-                                                  "P1:",
-                                                  "9999999999999999999",
-                                                  "0x1p3",
-                                                  "\xff\xfe",
-                                                  std::string(1, '\0'),
-                                                  "-inf",
-                                                  ",",
-                                                  "1e-320"};
-  const auto pick = [&random](std::size_t size) { return random() % size; };
-  for (std::size_t edits = 1 + pick(4); edits > 0; --edits) {
-    const std::size_t at = pick(text.size() + 1);
-    switch (pick(4)) {
-      case 0:
-        text.insert(at, kWords[pick(kWords.size())]);
-        break;
-      case 1:
-        text.erase(at, pick(12));
-        break;
-      case 2:
-        if (at < text.size()) text[at] = static_cast<char>(pick(256));
-        break;
-      default:
-        text.resize(pick(4) == 0 ? at : text.size());
-    }
-  }
-  return text;
-}
+const std::vector<std::string> kWords = {"nan",
+                                         "-",
+                                         "1e999",
+                                         "e",
+                                         "\n",
+                                         " ",
+                                         "",
+                                         ":",
+                                         "#",
+                                         "P1:",
+                                         "9999999999999999999",
+                                         "0x1p3",
+                                         "\xff\xfe",
+                                         std::string(1, '\0'),
+                                         "-inf",
+                                         ",",
+                                         "1e-320"};
 
 /// How many of the mutations were refused.
 template <class Read>
 int fuzz(const std::string& valid, int rounds, Read read) {
-  std::mt19937 random(12345);
-  int refused = 0;
-  for (int i = 0; i < rounds; ++i) {
-    const std::string text = mutated(valid, random);
-    try {
-      read(text);
-    } catch (const Error& e) {
-      ++refused;
-      EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
-    }
-  }
-  return refused;
+  return testing::refused_mutations(valid, kWords, rounds, read);
 }
 
 TEST(Fuzz, TextReaders) {

@@ -34,7 +34,9 @@ YAML::Node read_yaml(const fs::path& path) {
     if (!node.IsMap()) throw Error(fmt::format("{}: no keys, expected a sensor's", path.string()));
     return node;
   } catch (const YAML::Exception& error) {
-    throw Error(fmt::format("{}:{}: {}", path.string(), error.mark.line + 1, error.msg));
+    // The message may quote the file's own bytes, a line's end among them.
+    const std::string message = error.msg.substr(0, error.msg.find_first_of("\r\n"));
+    throw Error(fmt::format("{}:{}: {}", path.string(), error.mark.line + 1, message));
   }
 }
 
