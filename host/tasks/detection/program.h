@@ -10,8 +10,7 @@ namespace partita::detection {
 /// Exactly what DarknetNetwork::run() makes its session do.
 void add_network(tasks::Program& program, const Plan& plan);
 
-/// YOLOv3 at 416 x 416. A run does not execute it yet: what the host does before and after the
-/// network is counted from the algorithm, so the task is an outline still (host/tasks/outline.h).
+/// YOLOv3 at 416 x 416, with a street's typical number of boxes: a run does not execute it yet.
 tasks::TaskExport export_task(const tasks::Sensors& sensors);
 
 }  // namespace partita::detection
